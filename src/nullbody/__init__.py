@@ -1,0 +1,130 @@
+"""Smallest equations of motion of closed-loop mechanisms, derived symbolically and compiled to native code.
+
+    Mechanism --derive--> Equations --build--> Model --assemble--> State --simulate--> Trajectory
+
+This is the public face: a table of names and the modules they live in. A module is imported when one of its
+names is first used, so `import nullbody` itself costs next to nothing.
+"""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+from nullbody.errors import (
+    AssemblyError,
+    CacheError,
+    ExpressionError,
+    InputError,
+    MechanismError,
+    NullbodyError,
+    OutputError,
+    ParameterError,
+    SimulationError,
+    SingularityError,
+    StateError,
+    UnknownName,
+    VerificationError,
+)
+
+if TYPE_CHECKING:  # the same names once more, for type checkers and editors
+    from nullbody import catalog, control, export, report, verify
+    from nullbody.equations import Equations, derive
+    from nullbody.expr import Graph
+    from nullbody.kinematics import assemble, branches, inverse_kinematics, singularity
+    from nullbody.mechanism import Mechanism
+    from nullbody.model import Model, State, build
+    from nullbody.nullspace import NullSpace, null_space
+    from nullbody.simulate import Trajectory, simulate
+
+__all__ = [
+    "AssemblyError",
+    "CacheError",
+    "Equations",
+    "ExpressionError",
+    "Graph",
+    "InputError",
+    "Mechanism",
+    "MechanismError",
+    "Model",
+    "NullSpace",
+    "NullbodyError",
+    "OutputError",
+    "ParameterError",
+    "SimulationError",
+    "SingularityError",
+    "State",
+    "StateError",
+    "Trajectory",
+    "UnknownName",
+    "VerificationError",
+    "__version__",
+    "assemble",
+    "branches",
+    "build",
+    "catalog",
+    "control",
+    "derive",
+    "export",
+    "inverse_kinematics",
+    "null_space",
+    "report",
+    "simulate",
+    "singularity",
+    "verify",
+]
+
+__version__ = "0.1.0"
+
+_PACKAGES = {"catalog", "control", "export", "report", "verify"}
+_HOME = {
+    "Equations": "equations",
+    "Graph": "expr",
+    "Mechanism": "mechanism",
+    "Model": "model",
+    "NullSpace": "nullspace",
+    "State": "model",
+    "Trajectory": "simulate",
+    "assemble": "kinematics",
+    "branches": "kinematics",
+    "build": "model",
+    "derive": "equations",
+    "inverse_kinematics": "kinematics",
+    "null_space": "nullspace",
+    "simulate": "simulate",
+    "singularity": "kinematics",
+}
+
+
+def __getattr__(name: str) -> object:
+    """Import the home of a public name on its first use (PEP 562)."""
+    if name in _PACKAGES:
+        return import_module(f"{__name__}.{name}")
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}", name=name, obj=sys.modules[__name__])
+    value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """The public names, imported or not."""
+    return list(__all__)
+
+
+class _Face(ModuleType):
+    """Keeps a public function in place when the import system binds the package of the same name over it.
+
+    `nullbody.simulate` is the function, whoever imports the package `nullbody.simulate` first; what else that
+    package holds is reached by `from nullbody.simulate import ...`.
+    """
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if isinstance(value, ModuleType) and _HOME.get(name) == name:
+            value = getattr(value, name)
+        super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Face

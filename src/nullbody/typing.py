@@ -1,0 +1,19 @@
+"""Types that appear in public signatures."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["FloatArray", "Scalar", "Triple"]
+
+#: An array of doubles.
+FloatArray = NDArray[np.float64]
+
+#: A number, or a text in parameters such as "M*b^2/4" (grammar: `nullbody.expr.parse`).
+Scalar = str | int | float | Fraction
+
+#: Components along x, y, z.
+Triple = tuple[Scalar, Scalar, Scalar]
