@@ -1,0 +1,26 @@
+"""Layer 1: scalar expressions as a hash-consed graph with exact constants, derivatives and counts."""
+
+from nullbody.expr.calculus import derivative, directional, jacobian, substitute
+from nullbody.expr.exact import Exact
+from nullbody.expr.expression import Expr, cos, sin, sqrt
+from nullbody.expr.graph import Graph
+from nullbody.expr.tape import Operations, Tape, operations
+from nullbody.expr.text import latex, text
+
+__all__ = [
+    "Exact",
+    "Expr",
+    "Graph",
+    "Operations",
+    "Tape",
+    "cos",
+    "derivative",
+    "directional",
+    "jacobian",
+    "latex",
+    "operations",
+    "sin",
+    "sqrt",
+    "substitute",
+    "text",
+]

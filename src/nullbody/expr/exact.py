@@ -1,0 +1,144 @@
+"""Exact constants: rational combinations of square roots, such as 1/2, sqrt(3)/2 and (sqrt(6) - sqrt(2))/4."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import gcd, isqrt, isfinite
+
+from nullbody.errors import InputError
+
+__all__ = ["Exact", "prime_factors"]
+
+_BITS = 160  # binary digits kept of a square root when a constant is rounded to double
+
+
+def prime_factors(number: int) -> list[int]:
+    """The prime factors of a positive integer with multiplicity, by trial division."""
+    factors, trial = [], 2
+    while trial * trial <= number:
+        while number % trial == 0:
+            factors.append(trial)
+            number //= trial
+        trial += 1
+    return factors + [number] * (number > 1)
+
+
+def _squarefree(number: int) -> tuple[int, int]:
+    """Integers (r, k) with number = r^2 k and k free of squares."""
+    root, rest = 1, 1
+    for factor in prime_factors(number):
+        if rest % factor == 0:
+            root, rest = root * factor, rest // factor
+        else:
+            rest *= factor
+    return root, rest
+
+
+@dataclass(frozen=True)
+class Exact:
+    """A number sum_k c_k sqrt(k): k positive and square-free, c_k rational and not zero.
+
+    `terms` holds the pairs (k, c_k) in increasing k; the empty tuple is zero.
+    """
+
+    terms: tuple[tuple[int, Fraction], ...]
+
+    @classmethod
+    def of(cls, number: int | float | Fraction | Exact) -> Exact:
+        """The exact form of a number; a float means the shortest decimal that prints as it: 0.1 is 1/10.
+
+        Raises:
+            InputError: the number is not finite, or no number.
+        """
+        if isinstance(number, Exact):
+            return number
+        if isinstance(number, bool) or not isinstance(number, int | float | Fraction):
+            try:
+                number = float(number)
+            except (TypeError, ValueError):
+                raise InputError(f"{number!r} is not a number; give an int, a Fraction or a float") from None
+        if isinstance(number, float):
+            if not isfinite(number):
+                raise InputError(f"a constant must be finite, not {number}")
+            number = Fraction(repr(float(number)))
+        return cls(((1, Fraction(number)),) if number else ())
+
+    @classmethod
+    def square_root(cls, number: int | Fraction) -> Exact:
+        """sqrt(number) for a number >= 0."""
+        ratio = Fraction(number)
+        if ratio < 0:
+            raise InputError(f"the square root of {ratio} is not real")
+        root, rest = _squarefree(ratio.numerator * ratio.denominator) if ratio else (0, 1)
+        return cls(((rest, Fraction(root, ratio.denominator)),) if root else ())
+
+    def __add__(self, other: Exact) -> Exact:
+        total = dict(self.terms)
+        for k, part in other.terms:
+            total[k] = total.get(k, Fraction(0)) + part
+        return Exact(tuple(sorted((k, part) for k, part in total.items() if part)))
+
+    def __neg__(self) -> Exact:
+        return Exact(tuple((k, -part) for k, part in self.terms))
+
+    def __sub__(self, other: Exact) -> Exact:
+        return self + -other
+
+    def __mul__(self, other: Exact) -> Exact:
+        total: dict[int, Fraction] = {}
+        for k, left in self.terms:
+            for n, right in other.terms:
+                common = gcd(k, n)
+                radicand = k * n // common**2
+                total[radicand] = total.get(radicand, Fraction(0)) + left * right * common
+        return Exact(tuple(sorted((k, part) for k, part in total.items() if part)))
+
+    def inverse(self) -> Exact:
+        """1 / self: multiply by conjugates sqrt(p) -> -sqrt(p), one prime p after the other.
+
+        Raises:
+            ZeroDivisionError: self is zero.
+        """
+        if not self.terms:
+            raise ZeroDivisionError("the constant 0 has no inverse")
+        numerator, denominator = Exact.of(1), self
+        while irrational := [k for k, _ in denominator.terms if k > 1]:
+            prime = prime_factors(irrational[-1])[-1]
+            conjugate = Exact(tuple((k, -part if k % prime == 0 else part) for k, part in denominator.terms))
+            numerator, denominator = numerator * conjugate, denominator * conjugate
+        ((_, rational),) = denominator.terms
+        return numerator * Exact(((1, 1 / rational),))
+
+    @cached_property
+    def _approximation(self) -> Fraction:
+        scale = 1 << _BITS
+        return sum((part * Fraction(isqrt(k * scale * scale), scale) for k, part in self.terms), Fraction(0))
+
+    def __float__(self) -> float:
+        return float(self._approximation)
+
+    @property
+    def negative(self) -> bool:
+        """Whether the number is below zero."""
+        return self._approximation < 0
+
+    @property
+    def fraction(self) -> Fraction | None:
+        """The number as a Fraction, or None where it is irrational."""
+        if not self.terms:
+            return Fraction(0)
+        return self.terms[0][1] if len(self.terms) == 1 and self.terms[0][0] == 1 else None
+
+    def __str__(self) -> str:
+        return " + ".join(_term(k, part) for k, part in self.terms).replace("+ -", "- ") or "0"
+
+
+def _term(radicand: int, part: Fraction) -> str:
+    if radicand == 1:
+        return str(part)
+    root = f"sqrt({radicand})"
+    head = "" if abs(part.numerator) == 1 else f"{abs(part.numerator)}*"
+    tail = "" if part.denominator == 1 else f"/{part.denominator}"
+    return f"{'-' if part < 0 else ''}{head}{root}{tail}"
