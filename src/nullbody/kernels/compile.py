@@ -1,0 +1,107 @@
+"""Programs to native code for this machine's processor, by way of LLVM or of the cache."""
+
+from __future__ import annotations
+
+import marshal
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from hashlib import blake2b
+from types import MappingProxyType
+from typing import Any, Literal
+
+from nullbody.errors import InputError
+from nullbody.kernels.cache import load, store
+from nullbody.kernels.kernel import Kernel
+from nullbody.kernels.llvm import function_name, module_ir
+from nullbody.kernels.program import Program
+
+__all__ = ["Library", "compile_programs"]
+
+#: Part of every key of the cache; change it whenever the printed code or the calling convention changes.
+_FORMAT = 1
+_OPTIMISATION = 2
+
+
+@dataclass(frozen=True)
+class Library:
+    """Kernels that share one piece of native code.
+
+    Attributes:
+        kernels: the kernel of every program, by name.
+        origin: "compiled" where LLVM ran, "cache" where the object file was on disk.
+    """
+
+    kernels: Mapping[str, Kernel]
+    origin: Literal["compiled", "cache"]
+
+
+def compile_programs(programs: Sequence[Program]) -> Library:
+    """Native kernels of some programs, all in one object file.
+
+    Raises:
+        InputError: two programs have one name.
+        CacheError: the cache cannot be read, written or trusted; NULLBODY_CACHE=off does without.
+    """
+    names = [program.name for program in programs]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise InputError(f"two programs are named {twice[0]!r}; the names of programs compiled together differ")
+    key = _key(programs)
+    body = load(key)
+    origin: Literal["compiled", "cache"] = "cache"
+    if body is None:
+        body, origin = _object_file(programs), "compiled"
+        store(key, body)
+    engine = _loaded(body)
+    kernels = {p.name: Kernel(p, engine.get_function_address(function_name(p)), engine) for p in programs}
+    return Library(MappingProxyType(kernels), origin)
+
+
+@cache
+def _host() -> tuple[str, str, str]:
+    """(triple, processor, features) of this machine."""
+    import llvmlite.binding as llvm
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    return llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+
+
+def _machine() -> Any:
+    """LLVM's code generator for this machine; a new one every time, for an engine owns the one it is given."""
+    import llvmlite.binding as llvm
+
+    triple, processor, features = _host()
+    target = llvm.Target.from_triple(triple)
+    return target.create_target_machine(cpu=processor, features=features, opt=_OPTIMISATION, jit=True)
+
+
+def _key(programs: Sequence[Program]) -> str:
+    """Digest of all that determines the object file; made from the tapes, so that a warm start prints no IR."""
+    import llvmlite
+    import llvmlite.binding as llvm
+
+    digest = blake2b(digest_size=20)
+    digest.update(repr((_FORMAT, _OPTIMISATION, _host(), llvm.llvm_version_info, llvmlite.__version__)).encode())
+    for program in programs:
+        tape = program.tape
+        digest.update(marshal.dumps((program.name, tape.constants, tape.code, tape.outputs), 2))
+    return digest.hexdigest()
+
+
+def _object_file(programs: Sequence[Program]) -> bytes:
+    import llvmlite.binding as llvm
+
+    machine = _machine()
+    module = llvm.parse_assembly(module_ir(programs, machine.triple, str(machine.target_data)))
+    return bytes(machine.emit_object(module))
+
+
+def _loaded(body: bytes) -> Any:
+    """An execution engine with the object file loaded, relocated and executable."""
+    import llvmlite.binding as llvm
+
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
+    engine.add_object_file(llvm.object_file.ObjectFileRef.from_data(body))
+    engine.finalize_object()
+    return engine
