@@ -1,0 +1,146 @@
+"""The determinant-based null space of a constraint Jacobian (theory 1): A N = 0.
+
+With the columns of A split into dependent ones B (m x m) and independent ones C (m x d),
+
+    N = [-B^-1 C; I]            N_ij = -|B(i <- C_j)| / |B|                     [11]
+    N~ = |B| N = [-adj(B) C; |B| I]                no division at all           [12, 13]
+
+in the order of A's columns. Source: bracketed numbers are equations of the 2020 paper on the 3-PRS robot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from nullbody.errors import InputError, SingularityError
+from nullbody.expr import Expr, Operations, operations
+from nullbody.expr.matrix import Matrix, transpose
+from nullbody.nullspace.elimination import Elimination, eliminate
+from nullbody.nullspace.rank import Echelon, echelon
+from nullbody.nullspace.scalar import is_zero, tidy
+
+__all__ = ["NullSpace", "null_space"]
+
+
+@dataclass(frozen=True)
+class NullSpace:
+    """A basis of the null space of A, with what is needed to use it.
+
+    Attributes:
+        delta: |B|, the pivot of the chosen columns, with A's rows `rows`.
+        independent: columns of A that are free; the basis is the identity there (delta times it when scaled).
+        dependent: the other columns, in increasing order.
+        rows: independent rows of A that were used.
+        redundant: rows of A that repeat others.
+    """
+
+    delta: Any
+    independent: tuple[int, ...]
+    dependent: tuple[int, ...]
+    rows: tuple[int, ...]
+    redundant: tuple[int, ...]
+    _factors: Elimination
+    _free: tuple[tuple[Any, ...], ...]
+
+    @cached_property
+    def basis(self) -> tuple[tuple[Any, ...], ...]:
+        """N, n x d: q' = N v."""
+        return self._assembled([self._factors.solve(column) for column in self._free], 1)
+
+    @cached_property
+    def scaled(self) -> tuple[tuple[Any, ...], ...]:
+        """N~ = |B| N, n x d, free of divisions."""
+        return self._assembled([self._factors.solve_scaled(column) for column in self._free], self.delta)
+
+    def offset(self, c: Sequence[Any]) -> tuple[Any, ...]:
+        """gamma with A gamma + c = 0 and zeros in the independent places: gamma = [-B^-1 c; 0]."""
+        return self._offset(self._factors.solve([c[i] for i in self.rows]))
+
+    def offset_scaled(self, c: Sequence[Any]) -> tuple[Any, ...]:
+        """gamma~ = |B| gamma = [-adj(B) c; 0], free of divisions."""
+        return self._offset(self._factors.solve_scaled([c[i] for i in self.rows]))
+
+    def multipliers(self, force: Sequence[Any]) -> tuple[Any, ...]:
+        """lambda with A^T lambda = force in the dependent places: lambda = B^-T force_B; 0 for redundant rows."""
+        found = self._factors.solve_transposed([force[j] for j in self.dependent])
+        values = dict(zip(self.rows, found, strict=True))
+        return tuple(values.get(i, 0) for i in range(len(self.rows) + len(self.redundant)))
+
+    @property
+    def operations(self) -> Operations:
+        """Operation counts of the basis, for expressions of a graph."""
+        return operations([entry for row in self.basis for entry in row if isinstance(entry, Expr)])
+
+    def _assembled(self, columns: list[list[Any]], unit: Any) -> tuple[tuple[Any, ...], ...]:
+        n = len(self.dependent) + len(self.independent)
+        rows: list[tuple[Any, ...]] = [()] * n
+        for place, row in zip(self.dependent, transpose(columns), strict=True):
+            rows[place] = tuple(-entry for entry in row)
+        for k, place in enumerate(self.independent):
+            rows[place] = tuple(unit if k == j else 0 for j in range(len(self.independent)))
+        return tuple(rows)
+
+    def _offset(self, solution: list[Any]) -> tuple[Any, ...]:
+        values = dict(zip(self.dependent, solution, strict=True))
+        return tuple(-values[j] if j in values else 0 for j in range(len(self.dependent) + len(self.independent)))
+
+    def __repr__(self) -> str:
+        n, d = len(self.dependent) + len(self.independent), len(self.independent)
+        count = f", {self.operations} operations" if isinstance(self.delta, Expr) else f", delta = {self.delta}"
+        return f"<NullSpace {n} x {d}, rank {len(self.rows)}, independent columns {list(self.independent)}{count}>"
+
+
+def null_space(A: Matrix, independent: Sequence[int] | None = None) -> NullSpace:
+    """The null space of A, by determinants, for any scalars: Fraction, float, SymPy or graph expressions.
+
+    Args:
+        A: m x n, rows of scalars. Rows that repeat others are found and left out where the scalars are
+            exact or expressions of a graph; floats and SymPy expressions need independent rows.
+        independent: the d = n - rank columns that stay free; the last ones that make |B| non-zero by default.
+
+    Raises:
+        InputError: ragged or empty A, entries that are no finite numbers, wrong columns.
+        SingularityError: the chosen columns leave |B| = 0; the message names columns that would do.
+    """
+    rows = [[tidy(entry) for entry in row] for row in A]
+    if not rows or not rows[0] or any(len(row) != len(rows[0]) for row in rows):
+        raise InputError("A must be a non-empty list of rows of equal length")
+    n = len(rows[0])
+    found = echelon(rows)
+    rank = found.rank if found else len(rows)
+    chosen = _chosen(independent, n, rank, found, rows)
+    dependent = tuple(j for j in range(n) if j not in chosen)
+    kept = found.rows if found else tuple(range(len(rows)))
+    factors = eliminate([[rows[i][j] for j in dependent] for i in kept])
+    if is_zero(factors.delta):
+        raise SingularityError(_singular_message(rows, chosen, n))
+    free = tuple(tuple(rows[i][j] for i in kept) for j in chosen)
+    return NullSpace(factors.delta, chosen, dependent, kept, found.redundant if found else (), factors, free)
+
+
+def _chosen(
+    independent: Sequence[int] | None, n: int, rank: int, found: Echelon | None, rows: Matrix
+) -> tuple[int, ...]:
+    if independent is None:
+        if found is None:
+            return tuple(range(rank, n))
+        return tuple(j for j in range(n) if j not in found.columns)
+    chosen = tuple(independent)
+    if len(set(chosen)) != len(chosen) or any(not 0 <= j < n for j in chosen):
+        raise InputError(f"independent columns must be distinct and in 0..{n - 1}, not {list(chosen)}")
+    if len(chosen) != n - rank:
+        raise InputError(
+            f"A has {n} columns and rank {rank}: choose {n - rank} independent columns, not {len(chosen)}"
+        )
+    return chosen
+
+
+def _singular_message(rows: Matrix, chosen: Sequence[int], n: int) -> str:
+    found = echelon(rows, [j for j in range(n) if j not in chosen] + list(chosen))
+    text = f"columns {list(chosen)} cannot be the independent ones: the determinant of the others is identically zero"
+    if found is None:
+        return text + "; choose other columns"
+    return text + f"; columns {[j for j in range(n) if j not in found.columns]} would do"

@@ -1,0 +1,82 @@
+"""Rank of a matrix of exact scalars or expressions: which rows are independent, which columns can be dependent.
+
+The echelon form is made of the entries' witnesses: rationals themselves, or the values of expressions at a
+random point of a prime field. The rank is then the generic one, near-certainly (`nullbody.expr.field`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from nullbody.expr import Expr
+from nullbody.expr.matrix import Matrix
+from nullbody.nullspace.scalar import exact_rational
+
+__all__ = ["Echelon", "echelon"]
+
+
+@dataclass(frozen=True)
+class Echelon:
+    """What the echelon form of a matrix shows.
+
+    Attributes:
+        rows: the first rows that are independent of the ones before them.
+        columns: for each of them the pivot column.
+        redundant: the other rows, combinations of the rows before them.
+    """
+
+    rows: tuple[int, ...]
+    columns: tuple[int, ...]
+    redundant: tuple[int, ...]
+
+    @property
+    def rank(self) -> int:
+        """The rank."""
+        return len(self.rows)
+
+
+def echelon(matrix: Matrix, columns: Sequence[int] | None = None) -> Echelon | None:
+    """Echelon form by witnesses, pivots taken in the given order of columns.
+
+    Returns:
+        None where the scalars have no exact witness (floats, SymPy expressions).
+    """
+    prime = next((e.graph._witness.field.prime for row in matrix for e in row if isinstance(e, Expr)), None)
+    witnesses = [[_witness(entry) for entry in row] for row in matrix]
+    if any(entry is None for row in witnesses for entry in row):
+        return None
+    order = list(columns) if columns is not None else list(range(len(matrix[0]) if matrix else 0))
+    kept: list[list[Any]] = []
+    rows, pivots, redundant = [], [], []
+    for i, row in enumerate(witnesses):
+        work = list(row)
+        for pivot, known in zip(pivots, kept, strict=True):
+            if work[pivot]:
+                factor = work[pivot]
+                work = [_reduced(a - factor * b, prime) for a, b in zip(work, known, strict=True)]
+        pivot_column = next((j for j in order if work[j]), None)
+        if pivot_column is None:
+            redundant.append(i)
+            continue
+        inverse = _inverse(work[pivot_column], prime)
+        kept.append([_reduced(a * inverse, prime) for a in work])
+        rows.append(i)
+        pivots.append(pivot_column)
+    return Echelon(tuple(rows), tuple(pivots), tuple(redundant))
+
+
+def _witness(entry: Any) -> Any:
+    if isinstance(entry, Expr):
+        return entry.graph.value(entry.ref)
+    return Fraction(entry) if exact_rational(entry) else None
+
+
+def _reduced(number: Any, prime: int | None) -> Any:
+    return number if prime is None else number % prime
+
+
+def _inverse(number: Any, prime: int | None) -> Any:
+    return 1 / Fraction(number) if prime is None else pow(int(number), -1, prime)
