@@ -1,0 +1,96 @@
+"""Parameters with units, signs and defaults, and their values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from numbers import Real
+from typing import Literal
+
+from nullbody.errors import ExpressionError, MechanismError, ParameterError, UnknownName
+from nullbody.expr.parse import names_in, parse
+from nullbody.typing import Scalar
+
+__all__ = ["Parameter", "parameter_values"]
+
+Sign = Literal["positive", "non-negative", "any"]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A named physical constant.
+
+    Attributes:
+        name: the name that expressions use.
+        default: a number, or an expression in other parameters that follows them.
+        unit: SI unit, for messages and reports.
+        meaning: a few words.
+        sign: which values are physical.
+    """
+
+    name: str
+    default: Scalar
+    unit: str = ""
+    meaning: str = ""
+    sign: Sign = "positive"
+
+    def check(self, value: object) -> float:
+        """The value as a float.
+
+        Raises:
+            ParameterError: not a number, not finite, or of the wrong sign.
+        """
+        what = f"parameter {self.name} ({self.meaning})" if self.meaning else f"parameter {self.name}"
+        if isinstance(value, bool) or not isinstance(value, Real):
+            raise ParameterError(f"{what} must be a number in {self.unit or 'SI units'}, not {value!r}")
+        number = float(value)
+        if not math.isfinite(number):
+            raise ParameterError(f"{what} must be finite, not {number}")
+        if self.sign == "positive" and number <= 0 or self.sign == "non-negative" and number < 0:
+            raise ParameterError(f"{what} must be {self.sign}, not {number:g} {self.unit}".rstrip())
+        return number
+
+
+def parameter_values(parameters: Sequence[Parameter], given: Mapping[str, object]) -> dict[str, float]:
+    """Values of all parameters: the given ones, and the defaults evaluated with them.
+
+    Raises:
+        UnknownName: a given name is no parameter.
+        ParameterError: a value is not physical.
+        MechanismError: defaults depend on each other in a circle.
+    """
+    table = {parameter.name: parameter for parameter in parameters}
+    for name in given:
+        if name not in table:
+            raise UnknownName("parameter", name, table)
+    values: dict[str, float] = {}
+    open_names: list[str] = []
+
+    def value(name: str) -> float:
+        if name not in table:
+            raise UnknownName("parameter", name, table)
+        if name not in values:
+            if name in open_names:
+                raise MechanismError(f"parameter defaults in a circle: {' -> '.join([*open_names, name])}")
+            open_names.append(name)
+            parameter = table[name]
+            raw = given[name] if name in given else parse(parameter.default, value)
+            values[name] = parameter.check(raw)
+            open_names.pop()
+        return values[name]
+
+    return {name: value(name) for name in table}
+
+
+def check_expression(source: Scalar, known: set[str], place: str) -> None:
+    """Raise if an expression is not in the grammar or uses a name that is not a parameter."""
+    try:
+        names = names_in(source) if isinstance(source, str) else frozenset()
+        if not isinstance(source, str):
+            parse(source, float)
+    except ExpressionError as error:
+        raise ExpressionError(f"{place}: {error}") from None
+    for name in sorted(names):
+        if name not in known:
+            raise UnknownName(f"parameter (used in {place})", name, sorted(known))
