@@ -1,0 +1,204 @@
+"""derive: Mechanism -> Equations, step by step as in theory 1 to 3."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from nullbody.equations.closure import Closures, closures
+from nullbody.equations.equations import Equations, Routine
+from nullbody.equations.frame import frames
+from nullbody.equations.inertia import Inertia, inertia
+from nullbody.equations.reduction import acceleration, reduce, solve_symmetric
+from nullbody.equations.scalar import ParameterScalars
+from nullbody.errors import InputError, UnknownName
+from nullbody.expr import Expr, Graph, substitute
+from nullbody.expr.matrix import add, dot, matvec, scale, total, transpose
+from nullbody.mechanism import Mechanism
+from nullbody.nullspace import NullSpace, echelon, null_space
+from nullbody.nullspace.elimination import eliminate
+
+__all__ = ["derive"]
+
+
+def derive(mechanism: Mechanism, independent: Sequence[str] | None = None) -> Equations:
+    """The equations of motion of a mechanism, closed form, without multipliers.
+
+    Args:
+        mechanism: any mechanism of rigid bodies with loops.
+        independent: names of the coordinates whose rates are v, nq - rank A of them; the actuated ones by
+            default where they are as many and regular, otherwise chosen so that |B| is not identically zero.
+
+    Raises:
+        UnknownName: a name is no coordinate.
+        InputError: too few or too many names.
+        SingularityError: |B| is identically zero for this choice; the message names one that would do.
+    """
+    graph = Graph()
+    scalars = ParameterScalars(graph, tuple(p.name for p in mechanism.parameters))
+    names = mechanism.coordinates
+    q = {name: graph.symbol(name) for name in names}
+    rates = {name: graph.symbol(f"{name}_dot") for name in names}
+    found = frames(mechanism, scalars, q)
+    loops = closures(mechanism, found, scalars, list(q.values()), list(rates.values()))
+    bodies = inertia(mechanism, found, scalars, q, rates)
+    chosen = _independent(mechanism, loops, independent)
+    space = _null_space(loops.A, [names.index(name) for name in chosen], len(names))
+    symbols = _Symbols(graph, mechanism, chosen)
+    outputs = _outputs(loops, bodies, space, symbols)
+    routines = _routines(loops, bodies, space, symbols)
+    graph.verify()
+    return Equations(
+        mechanism=mechanism,
+        graph=graph,
+        coordinates=names,
+        independent=chosen,
+        labels=tuple(loops.labels[i] for i in space.rows),
+        redundant=tuple(loops.labels[i] for i in space.redundant),
+        outputs=outputs,
+        routines=routines,
+        groups=symbols.groups,
+        null_space=space,
+    )
+
+
+class _Symbols:
+    """The symbols of the inputs: v, u, v_dot, q_ddot."""
+
+    def __init__(self, graph: Graph, mechanism: Mechanism, independent: tuple[str, ...]) -> None:
+        names = mechanism.coordinates
+        self.graph = graph
+        self.groups = {
+            "q": names,
+            "v": tuple(f"{name}_dot" for name in independent),
+            "u": mechanism.inputs,
+            "v_dot": tuple(f"{name}_ddot" for name in independent),
+            "q_ddot": tuple(f"{name}_ddot" for name in names),
+            "p": tuple(p.name for p in mechanism.parameters),
+        }
+        self.rates = [graph.symbol(f"{name}_dot") for name in names]
+        self.v, self.u = self.group("v"), self.group("u")
+        self.independent = [names.index(name) for name in independent]
+        at = {actuator.coordinate: actuator.name for actuator in mechanism.actuators}
+        self.Q = [self.zero + total(graph.symbol(u) for c, u in at.items() if c == name) for name in names]
+        self.input_columns = [[1 if a.coordinate == name else 0 for name in names] for a in mechanism.actuators]
+
+    @property
+    def zero(self) -> Expr:
+        """The expression 0."""
+        return self.graph.constant(0)
+
+    def group(self, name: str) -> list[Expr]:
+        """The symbols of a group of inputs."""
+        return [self.graph.symbol(symbol) for symbol in self.groups[name]]
+
+
+def _independent(mechanism: Mechanism, loops: Closures, wanted: Sequence[str] | None) -> tuple[str, ...]:
+    names = mechanism.coordinates
+    form = echelon(loops.A, _preferred_order(mechanism)) if loops.A else None
+    nv = len(names) - (form.rank if form else 0)
+    if wanted is None:
+        pivots = form.columns if form else ()
+        free = [name for j, name in enumerate(names) if j not in pivots]
+        actuated = [name for name in mechanism.actuated if name in free]
+        return tuple(actuated + [name for name in free if name not in actuated])
+    if isinstance(wanted, str):
+        wanted = (wanted,)
+    for name in wanted:
+        if name not in names:
+            raise UnknownName("coordinate", name, names)
+    if len(set(wanted)) != len(wanted) or len(wanted) != nv:
+        raise InputError(f"{mechanism.name!r} has {nv} degrees of freedom: name {nv} coordinates, not {list(wanted)}")
+    return tuple(wanted)
+
+
+def _preferred_order(mechanism: Mechanism) -> list[int]:
+    """Columns in the order in which they should become dependent: actuated coordinates last."""
+    names = mechanism.coordinates
+    return sorted(range(len(names)), key=lambda j: names[j] in mechanism.actuated)
+
+
+def _null_space(A: list[list[Expr]], independent: list[int], n: int) -> NullSpace:
+    if not A:
+        return NullSpace(1, tuple(independent), (), (), (), eliminate([]), tuple(() for _ in independent))
+    return null_space(A, independent)
+
+
+def _outputs(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symbols) -> dict[str, Any]:
+    zero = symbols.zero
+    N, gamma = space.basis, space.offset(loops.c)
+    reduced = reduce(bodies.M, bodies.h, N, gamma)
+    outputs = {
+        "Phi": [loops.Phi[i] for i in space.rows],
+        "A": [loops.A[i] for i in space.rows],
+        "c": [loops.c[i] for i in space.rows],
+        "M": bodies.M,
+        "h": bodies.h,
+        "Q": symbols.Q,
+        "T": bodies.T,
+        "U": bodies.U,
+        "delta": space.delta,
+        "N": N,
+        "N_scaled": space.scaled,
+        "gamma": gamma,
+        "gamma_scaled": space.offset_scaled(loops.c),
+        "Mr": reduced.Mr,
+        "hr": reduced.hr,
+        "Br": _input_matrix(N, symbols),
+    }
+    return {name: _expressions(output, zero) for name, output in outputs.items()}
+
+
+def _routines(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symbols) -> dict[str, Routine]:
+    """The same equations with q' = N v put in, grouped by what is evaluated together."""
+    zero, N, v = symbols.zero, space.basis, symbols.v
+    qd = [zero + rate for rate in matvec(N, v)]
+    onto = {symbols.rates[j]: qd[j] for j in space.dependent}
+    h, c = substitute(bodies.h, onto), substitute(loops.c, onto)
+    gamma = space.offset(c)
+    reduced = reduce(bodies.M, h, N, gamma)
+    check = {"delta": space.delta, "spread": total(e * e for row in N for e in row if isinstance(e, Expr))}
+    Br = _input_matrix(N, symbols)
+    v_dot = solve_symmetric(reduced.Mr, add(matvec(Br, symbols.u), scale(-1, reduced.hr)))
+    demanded = acceleration(N, symbols.group("v_dot"), gamma)
+    needed = matvec(transpose(N), add(matvec(bodies.M, demanded), h))
+    q_ddot = symbols.group("q_ddot")
+    unbalanced = add(symbols.Q, scale(-1, add(matvec(bodies.M, q_ddot), h)))
+    lam = space.multipliers(unbalanced)
+    routines = {
+        "closure": Routine(("q",), {"Phi": [loops.Phi[i] for i in space.rows], "A": [loops.A[i] for i in space.rows]}),
+        "kinematics": Routine(("q", "v"), {"N": N, "gamma": gamma, "q_dot": qd, **check}),
+        "forward_dynamics": Routine(
+            ("q", "v", "u"), {"q_ddot": acceleration(N, v_dot, gamma), "q_dot": qd, **check}
+        ),
+        "inverse_dynamics": Routine(
+            ("q", "v", "v_dot"), {"Qr": needed, "u": _inputs(Br, needed), "q_ddot": demanded, **check}
+        ),
+        "reactions": Routine(("q", "v", "u", "q_ddot"), {"lam": [lam[i] for i in space.rows], **check}),
+        "energy": Routine(("q", "v"), {"T": substitute([bodies.T], onto)[0], "U": bodies.U}),
+    }
+    return {
+        name: Routine(r.inputs, {key: _expressions(value, zero) for key, value in r.outputs.items()})
+        for name, r in routines.items()
+    }
+
+
+def _input_matrix(N: Any, symbols: _Symbols) -> list[list[Any]]:
+    """Br = N^T S, nv x nu: how the inputs act on v."""
+    return [[dot(column, s) for s in symbols.input_columns] for column in transpose(N)]
+
+
+def _inputs(Br: list[list[Any]], needed: list[Any]) -> list[Any]:
+    """u with Br u = Qr where there is one input for each degree of freedom; none otherwise."""
+    if not Br or len(Br) != len(Br[0]):
+        return []
+    factors = eliminate(Br)
+    return [] if factors.delta == 0 else factors.solve(needed)
+
+
+def _expressions(output: Any, zero: Expr) -> Any:
+    """Plain zeros and ones as expressions of the graph."""
+    if isinstance(output, list | tuple):
+        return tuple(_expressions(part, zero) for part in output)
+    return zero + output
+

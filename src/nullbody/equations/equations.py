@@ -1,0 +1,107 @@
+"""Equations: the symbolic model of a mechanism, with named outputs and operation counts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from nullbody.equations.presentation import latex_definition, summary
+from nullbody.errors import UnknownName
+from nullbody.expr import Expr, Graph, Operations, operations
+from nullbody.mechanism import Mechanism
+from nullbody.nullspace import NullSpace
+
+__all__ = ["Equations", "Routine", "flat"]
+
+
+@dataclass(frozen=True)
+class Routine:
+    """A set of outputs that are evaluated together: what becomes one kernel.
+
+    Attributes:
+        inputs: groups among "q", "v", "u", "v_dot", "q_ddot"; parameters always come last.
+        outputs: named scalars, vectors or matrices.
+    """
+
+    inputs: tuple[str, ...]
+    outputs: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Equations:
+    """The equations of motion of a mechanism in redundant and in independent coordinates.
+
+        Phi(q) = 0,   A q' = 0,   A q'' + c = 0,   M q'' + h + A^T lambda = Q
+        q' = N v,     q'' = N v' + gamma,          Mr v' + hr = N^T Q
+
+    `equations["Mr"]` is an output: a scalar, a list or a list of rows of expressions. `outputs` lists the names.
+
+    Attributes:
+        mechanism: where they come from.
+        graph: holds all expressions.
+        coordinates: names of q.
+        independent: names of the independent coordinates; v holds their rates.
+        labels: loop and direction of every closure equation that is kept, in the order of Phi.
+        redundant: labels of equations that repeat others and were left out.
+        outputs: the named outputs, in (q, q', u, parameters).
+        routines: outputs in (q, v, u, parameters), as they are compiled.
+        groups: names of the symbols in each group of inputs.
+        null_space: the null space of A with its factors.
+    """
+
+    mechanism: Mechanism
+    graph: Graph
+    coordinates: tuple[str, ...]
+    independent: tuple[str, ...]
+    labels: tuple[str, ...]
+    redundant: tuple[str, ...]
+    outputs: Mapping[str, Any]
+    routines: Mapping[str, Routine]
+    groups: Mapping[str, tuple[str, ...]]
+    null_space: NullSpace
+
+    @property
+    def dependent(self) -> tuple[str, ...]:
+        """Names of the dependent coordinates, in the order of q."""
+        return tuple(name for name in self.coordinates if name not in self.independent)
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the inputs u."""
+        return self.mechanism.inputs
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self.outputs:
+            raise UnknownName("output", name, self.outputs)
+        return self.outputs[name]
+
+    def operations(self, *names: str) -> Operations:
+        """Operation counts of some outputs evaluated together; of all outputs by default."""
+        return operations([f for name in names or self.outputs for f in flat(self[name])])
+
+    def routine_operations(self, name: str) -> Operations:
+        """Operation counts of a routine, as it is compiled."""
+        if name not in self.routines:
+            raise UnknownName("routine", name, self.routines)
+        return operations([f for value in self.routines[name].outputs.values() for f in flat(value)])
+
+    def latex(self, name: str) -> str:
+        """An output as LaTeX (amsmath), with the sub-expressions it shares named z_1, z_2, ..."""
+        return latex_definition(name, self[name])
+
+    def __str__(self) -> str:
+        return summary(self)
+
+    def __repr__(self) -> str:
+        nq, nv = len(self.coordinates), len(self.independent)
+        return f"<Equations of {self.mechanism.name!r}: nq = {nq}, nc = {len(self.labels)}, nv = {nv}>"
+
+
+def flat(output: Any) -> Iterator[Expr]:
+    """The expressions of a scalar, vector or matrix, row by row."""
+    if isinstance(output, Sequence):
+        for part in output:
+            yield from flat(part)
+    else:
+        yield output

@@ -1,0 +1,95 @@
+"""How equations are shown: a summary for the terminal, LaTeX for paper."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from nullbody.expr import latex
+from nullbody.expr.text import latex_symbol, shared_nodes
+
+if TYPE_CHECKING:
+    from nullbody.equations.equations import Equations
+
+__all__ = ["latex_definition", "summary"]
+
+_LATEX_NAMES = {
+    "Phi": r"\Phi",
+    "N_scaled": r"\tilde{N}",
+    "gamma_scaled": r"\tilde{\gamma}",
+    "delta": r"\Delta",
+    "gamma": r"\gamma",
+    "Mr": r"M_r",
+    "hr": r"h_r",
+    "Br": r"B_r",
+}
+
+_MEANINGS = {
+    "Phi": "loop closures, Phi(q) = 0",
+    "A": "constraint Jacobian, A q' = 0",
+    "c": "A' q', so that A q'' + c = 0",
+    "M": "mass matrix in redundant coordinates",
+    "h": "Coriolis and gravity, M q'' + h + A^T lambda = Q",
+    "Q": "generalized forces of the inputs",
+    "T": "kinetic energy",
+    "U": "potential energy",
+    "delta": "|B|, determinant of A's dependent columns",
+    "N": "null-space basis, q' = N v",
+    "N_scaled": "delta N, without any division",
+    "gamma": "q'' = N v' + gamma",
+    "gamma_scaled": "delta gamma, without any division",
+    "Mr": "reduced mass matrix, Mr v' + hr = Br u",
+    "hr": "reduced bias forces",
+    "Br": "reduced input matrix",
+}
+
+
+def summary(equations: Equations) -> str:
+    """Sizes, closures in words, and what each output is and costs."""
+    nq, nc, nv = len(equations.coordinates), len(equations.labels), len(equations.independent)
+    mechanism = equations.mechanism
+    lines = [
+        f"Equations of {mechanism.name!r}: nq = {nq} coordinates, nc = {nc} closures, nv = {nv} degrees of freedom",
+        f"  q = {' '.join(equations.coordinates)}",
+        f"  v = rates of {' '.join(equations.independent)}",
+        f"  u = {' '.join(equations.inputs) or 'none'}",
+    ]
+    for loop in mechanism.loops:
+        kept = [label.split()[1] for label in equations.labels if label.split()[0] == loop.name]
+        dropped = [label.split()[1] for label in equations.redundant if label.split()[0] == loop.name]
+        note = f", {' '.join(dropped)} repeats other equations" if dropped else ""
+        lines.append(f"  loop {loop.name}: a point of {loop.body_a} meets a point of {loop.body_b} ({' '.join(kept)}{note})")
+    lines.append(f"  {'output':<13}{'size':>8}  {'operations':<40}meaning")
+    for name in equations.outputs:
+        size = " x ".join(str(n) for n in shape(equations[name])) or "1"
+        lines.append(f"  {name:<13}{size:>8}  {equations.operations(name)!s:<40}{_MEANINGS[name]}")
+    return "\n".join(lines)
+
+
+def shape(output: Any) -> tuple[int, ...]:
+    """The shape of a scalar, vector or matrix."""
+    if not isinstance(output, Sequence):
+        return ()
+    inner = shape(output[0]) if output else ()
+    return (len(output), *inner)
+
+
+def latex_definition(name: str, output: Any) -> str:
+    """`name = ...` in an aligned environment, shared sub-expressions first."""
+    rows = output if isinstance(output, Sequence) else [output]
+    entries = [entry for row in rows for entry in (row if isinstance(row, Sequence) else [row])]
+    shared = shared_nodes(entries)
+    names: dict[int, str] = {}
+    lines = []
+    for number, node in enumerate(shared, 1):
+        lines.append(rf"z_{{{number}}} &= {latex(type(entries[0])(entries[0].graph, 2 * node), names)}")
+        names[node] = f"z_{{{number}}}"
+    symbol = _LATEX_NAMES.get(name) or latex_symbol(name)
+    if isinstance(output, Sequence):
+        body = r" \\ ".join(
+            " & ".join(latex(e, names) for e in (row if isinstance(row, Sequence) else [row])) for row in rows
+        )
+        lines.append(rf"{symbol} &= \begin{{bmatrix}} {body} \end{{bmatrix}}")
+    else:
+        lines.append(rf"{symbol} &= {latex(output, names)}")
+    return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
