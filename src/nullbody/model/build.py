@@ -1,0 +1,57 @@
+"""build: Equations -> Model, by compiling every routine to a native kernel."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from nullbody.equations import Equations, flat, shape
+from nullbody.errors import InputError
+from nullbody.expr import Tape
+from nullbody.kernels import Program, compile_programs
+from nullbody.model.model import Model
+
+__all__ = ["build", "programs"]
+
+
+def build(equations: Equations, parameters: Mapping[str, float] | None = None) -> Model:
+    """Native code for some equations, from the cache on disk where it has been built before.
+
+    Args:
+        equations: from `derive`.
+        parameters: values that differ from the mechanism's own.
+
+    Raises:
+        UnknownName, ParameterError: unknown or non-physical parameters.
+        CacheError: the cache folder cannot be used; the message says what to set.
+    """
+    if not isinstance(equations, Equations):
+        raise InputError(f"build takes Equations from derive(mechanism), not {type(equations).__name__}")
+    given = dict(parameters or {})
+    values = equations.mechanism.values(given)
+    library = compile_programs(programs(equations))
+    return Model(
+        mechanism=equations.mechanism,
+        independent=equations.independent,
+        labels=equations.labels,
+        given=given,
+        values=tuple(values.values()),
+        library=library,
+    )
+
+
+def programs(equations: Equations) -> list[Program]:
+    """The routines of some equations as programs; parameters p are the last input group of each."""
+    made = []
+    for name, routine in equations.routines.items():
+        groups = [*routine.inputs, "p"]
+        inputs = [symbol for group in groups for symbol in equations.groups[group]]
+        results = [expression for output in routine.outputs.values() for expression in flat(output)]
+        made.append(
+            Program(
+                name=name,
+                inputs=tuple((group, len(equations.groups[group])) for group in groups),
+                outputs=tuple((key, shape(output)) for key, output in routine.outputs.items()),
+                tape=Tape.of(results, inputs),
+            )
+        )
+    return made

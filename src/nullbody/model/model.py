@@ -1,0 +1,269 @@
+"""Model: compiled kernels with parameter values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+
+from nullbody.errors import InputError, SingularityError, StateError
+from nullbody.kernels import Library
+from nullbody.mechanism import Mechanism
+from nullbody.model.state import State, vector
+from nullbody.tolerances import EPS, GIVEN_CLOSED, REGULAR_SPREAD
+from nullbody.typing import FloatArray
+
+__all__ = ["Energy", "Model", "NullSpaceValues"]
+
+
+class Energy(NamedTuple):
+    """Kinetic and potential energy [J]."""
+
+    kinetic: float
+    potential: float
+
+    @property
+    def total(self) -> float:
+        """T + U [J]."""
+        return self.kinetic + self.potential
+
+
+class NullSpaceValues(NamedTuple):
+    """N (nq x nv), gamma (nq) and delta = |B| at one state."""
+
+    N: FloatArray
+    gamma: FloatArray
+    delta: float
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A mechanism as native code, for one set of parameter values. It has no setters: threads may share it.
+
+    Attributes:
+        mechanism: what it models.
+        independent: names of the independent coordinates; v holds their rates.
+        labels: loop and direction of every closure equation.
+        given: parameter values that differ from the mechanism's own.
+        values: values of all parameters, in the mechanism's order.
+        library: the kernels.
+    """
+
+    mechanism: Mechanism
+    independent: tuple[str, ...]
+    labels: tuple[str, ...]
+    given: Mapping[str, float]
+    values: tuple[float, ...]
+    library: Library
+
+    # -- names ----------------------------------------------------------------------------------------------
+
+    @cached_property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of q."""
+        return self.mechanism.coordinates
+
+    @cached_property
+    def dependent(self) -> tuple[str, ...]:
+        """Names of the coordinates that the loops determine, in the order of q."""
+        return tuple(name for name in self.coordinates if name not in self.independent)
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the inputs u."""
+        return self.mechanism.inputs
+
+    @cached_property
+    def parameters(self) -> Mapping[str, float]:
+        """Parameter values by name."""
+        names = (parameter.name for parameter in self.mechanism.parameters)
+        return MappingProxyType(dict(zip(names, self.values, strict=True)))
+
+    def replace(self, **values: float) -> Model:
+        """The same code with other parameter values; nothing is compiled.
+
+        Parameters whose default is an expression follow: with another b the platform's disc changes too,
+        unless Ixx, Iyy, Izz were given.
+
+        Raises:
+            UnknownName, ParameterError: unknown or non-physical values.
+        """
+        given = {**self.given, **values}
+        return replace(self, given=given, values=tuple(self.mechanism.values(given).values()))
+
+    # -- states ---------------------------------------------------------------------------------------------
+
+    def state(self, q: object, v: object = None) -> State:
+        """A checked state.
+
+        Args:
+            q: all coordinates, in the order of `coordinates` or by name [m, rad].
+            v: independent rates, in the order of `independent` or by name; at rest by default [m/s, rad/s].
+
+        Raises:
+            UnknownName, InputError: wrong names, sizes or values.
+            StateError: a loop is open by more than a nanometre; the message names it. `assemble` closes loops.
+        """
+        position = vector(q, self.coordinates, "coordinate")
+        rate = np.zeros(len(self.independent)) if v is None else vector(v, self.independent, "independent rate")
+        residual = self.residual(position)
+        if len(residual) and np.abs(residual).max() > GIVEN_CLOSED:
+            worst = int(np.abs(residual).argmax())
+            raise StateError(
+                f"loop {self.labels[worst].split()[0]!r} is open by {abs(residual[worst]):.3g} m "
+                f"along {self.labels[worst].split()[1]}: the state is not on the constraint manifold. "
+                "nullbody.assemble(model, {...}) closes the loops for given coordinates"
+            )
+        return self.trusted_state(position, rate)
+
+    def trusted_state(self, q: FloatArray, v: FloatArray) -> State:
+        """A state that the caller has closed already (Newton, projection): not checked."""
+        return State(q, v, self.coordinates, self.independent)
+
+    # -- kernels --------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _p(self) -> FloatArray:
+        array = np.array(self.values, dtype=np.float64)
+        array.flags.writeable = False
+        return array
+
+    def evaluate(self, routine: str, *groups: FloatArray) -> tuple[FloatArray, ...]:
+        """Call a kernel on raw vectors, without any check: all outputs of the routine in their order."""
+        return self.library.kernels[routine](*groups, self._p)
+
+    def residual(self, q: FloatArray) -> FloatArray:
+        """Phi(q) [m], without any check."""
+        return self.evaluate("closure", q)[0]
+
+    def jacobian(self, q: FloatArray) -> FloatArray:
+        """A(q) = dPhi/dq, without any check."""
+        return self.evaluate("closure", q)[1]
+
+    def null_space(self, state: State) -> NullSpaceValues:
+        """N, gamma and delta at a state: q' = N v, q'' = N v' + gamma.
+
+        Raises:
+            SingularityError: |B| vanishes for these independent coordinates.
+        """
+        N, gamma, _, delta, spread = self.evaluate("kinematics", state.q, state.v)
+        self._check_regular(spread, delta)
+        return NullSpaceValues(N, gamma, float(delta))
+
+    def velocity(self, state: State) -> FloatArray:
+        """q' = N v, all rates [m/s, rad/s].
+
+        Raises:
+            SingularityError: |B| vanishes for these independent coordinates.
+        """
+        _, _, q_dot, delta, spread = self.evaluate("kinematics", state.q, state.v)
+        self._check_regular(spread, delta)
+        return q_dot
+
+    def acceleration(self, state: State, v_dot: object) -> FloatArray:
+        """q'' = N v' + gamma, all accelerations for given independent ones [m/s^2, rad/s^2].
+
+        Raises:
+            SingularityError: |B| vanishes for these independent coordinates.
+        """
+        N, gamma, _ = self.null_space(state)
+        found: FloatArray = N @ vector(v_dot, self.independent, "independent acceleration") + gamma
+        return found
+
+    def forward_dynamics(self, state: State, u: object = None) -> FloatArray:
+        """q'' = N v' + gamma with Mr v' + hr = Br u: accelerations of all coordinates [39-46].
+
+        Args:
+            state: where and how fast.
+            u: inputs, in the order of `inputs` or by name; zero by default [N, N m].
+
+        Raises:
+            SingularityError: |B| vanishes for these independent coordinates.
+        """
+        q_ddot, _, delta, spread = self.evaluate("forward_dynamics", state.q, state.v, self.input_vector(u))
+        self._check_regular(spread, delta, q_ddot)
+        return q_ddot
+
+    def inverse_dynamics(self, state: State, v_dot: object) -> FloatArray:
+        """u with Br u = Mr v' + hr: the inputs for given independent accelerations [42].
+
+        Args:
+            state: where and how fast.
+            v_dot: accelerations of the independent coordinates, in order or by name.
+
+        Raises:
+            InputError: the mechanism has not one input for each degree of freedom.
+            SingularityError: |B| vanishes, or the inputs cannot drive the mechanism here.
+        """
+        wanted = vector(v_dot, self.independent, "independent acceleration")
+        if len(self.inputs) != len(self.independent):
+            raise InputError(
+                f"inverse dynamics needs one input for each of the {len(self.independent)} degrees of freedom; "
+                f"{self.mechanism.name!r} has {len(self.inputs)}. `generalized_forces` gives N^T Q instead"
+            )
+        _, u, _, delta, spread = self.evaluate("inverse_dynamics", state.q, state.v, wanted)
+        self._check_regular(spread, delta, u)
+        if len(u) != len(self.inputs):
+            raise SingularityError(f"the inputs {', '.join(self.inputs)} cannot drive all degrees of freedom anywhere")
+        return u
+
+    def generalized_forces(self, state: State, v_dot: object) -> FloatArray:
+        """N^T Q = Mr v' + hr: forces along the independent coordinates for given accelerations [42].
+
+        Raises:
+            SingularityError: |B| vanishes for these independent coordinates.
+        """
+        wanted = vector(v_dot, self.independent, "independent acceleration")
+        Qr, _, _, delta, spread = self.evaluate("inverse_dynamics", state.q, state.v, wanted)
+        self._check_regular(spread, delta, Qr)
+        return Qr
+
+    def reactions(self, state: State, u: object = None) -> FloatArray:
+        """lambda with A^T lambda = Q - M q'' - h, for the motion that the inputs u cause.
+
+        The paper's sign: the loop joint acts on body a with -lambda, on body b with +lambda (Phi = a - b).
+
+        Returns:
+            One force component for each closure equation, in the order of `labels` [N].
+
+        Raises:
+            SingularityError: |B| vanishes for these independent coordinates.
+        """
+        inputs = self.input_vector(u)
+        q_ddot = self.forward_dynamics(state, inputs)
+        lam, delta, spread = self.evaluate("reactions", state.q, state.v, inputs, q_ddot)
+        self._check_regular(spread, delta, lam)
+        return lam
+
+    def energy(self, state: State) -> Energy:
+        """Kinetic and potential energy [J]."""
+        T, U = self.evaluate("energy", state.q, state.v)
+        return Energy(float(T), float(U))
+
+    # -- checks ---------------------------------------------------------------------------------------------
+
+    def input_vector(self, u: object) -> FloatArray:
+        """Inputs as a vector; None is zero, a mapping is by name."""
+        return np.zeros(len(self.inputs)) if u is None else vector(u, self.inputs, "input")
+
+    def _check_regular(self, spread: FloatArray, delta: FloatArray, result: FloatArray | None = None) -> None:
+        if spread < REGULAR_SPREAD and (result is None or np.isfinite(result).all()):
+            return
+        if not spread < REGULAR_SPREAD:
+            size = float(np.sqrt(spread)) if np.isfinite(spread) else float("inf")
+            raise SingularityError(
+                f"the independent coordinates {', '.join(self.independent)} are singular here: |B| = {float(delta):.3g}, "
+                f"|N| = {size:.3g}, so results would lose {min(16.0, np.log10(max(size * EPS, EPS) / EPS)):.0f} of 16 "
+                "digits. Derive with other independent coordinates, or stay away from this configuration"
+            )
+        raise SingularityError(
+            "the reduced mass matrix is singular here: a motion of the mechanism moves no mass. Check the masses and inertias"
+        )
+
+    def __repr__(self) -> str:
+        changed = "".join(f", {name}={value:g}" for name, value in self.given.items())
+        return f"<Model of {self.mechanism.name!r}, v = rates of {', '.join(self.independent)}{changed}>"
