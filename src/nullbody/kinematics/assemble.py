@@ -1,0 +1,184 @@
+"""assemble: close the loops for given coordinates (forward and inverse kinematics by continuation and Newton)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from nullbody.errors import AssemblyError, InputError, UnknownName
+from nullbody.kinematics.newton import Closed, close_loops, closed_to
+from nullbody.model import Model, State, vector
+from nullbody.typing import FloatArray
+
+__all__ = ["assemble", "known_coordinates", "start_coordinates"]
+
+_SMALLEST_STEP = 1e-4  # of the way from the guess to the target
+_LARGEST_CORRECTION = 0.15  # [m, rad] by which Newton may correct a predicted point on the same branch
+_PERTURBED_STARTS = 24
+
+
+def assemble(
+    model: Model, known: Mapping[str, float], v: object = None, guess: State | Mapping[str, float] | None = None
+) -> State:
+    """The state in which some coordinates have given values and all loops are closed, |Phi| <= 1e-14 m.
+
+    The branch (assembly mode) is the one that continues the guess: known coordinates are moved from their
+    values there to the given ones, with tangent steps and Newton corrections.
+
+    Args:
+        model: the model.
+        known: coordinates by name [m, rad], at most as many as there are degrees of freedom. With fewer, the
+            others stay near the guess.
+        v: independent rates, in order or by name; at rest by default.
+        guess: a state or coordinates near the wanted branch; the mechanism's home by default.
+
+    Raises:
+        UnknownName, InputError: unknown names, too many, or values that are no finite numbers.
+        AssemblyError: the loops cannot be closed; names the loop, the gap and the reach.
+    """
+    rate = np.zeros(len(model.independent)) if v is None else vector(v, model.independent, "independent rate")
+    fixed, target = known_coordinates(model, known)
+    if len(fixed) > len(model.independent):
+        raise InputError(
+            f"{model.mechanism.name!r} has {len(model.independent)} degrees of freedom: "
+            f"give at most as many coordinates, not {len(fixed)}; `model.state` takes all of them"
+        )
+    start = start_coordinates(model, guess)
+    free = np.setdiff1d(np.arange(len(model.coordinates)), fixed)
+    path = _Path(model, fixed, free, start[fixed], target)
+    closed, reach = path.followed(start)
+    if not closed.converged:
+        closed = path.searched(start, closed)
+    if not closed.converged:
+        raise _unreachable(model, known, closed, reach, path)
+    return model.trusted_state(closed.q, rate)
+
+
+def known_coordinates(model: Model, known: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+    """Indices and values of coordinates given by name.
+
+    Raises:
+        UnknownName, InputError: unknown names, or values that are no finite numbers.
+    """
+    if not isinstance(known, Mapping):
+        raise InputError(f"give coordinates by name, such as {{{model.independent[0]!r}: 0.6}}, not {known!r}")
+    for name in known:
+        if name not in model.coordinates:
+            raise UnknownName("coordinate", name, model.coordinates)
+    names = tuple(known)
+    return np.array([model.coordinates.index(name) for name in names], dtype=int), vector(known, names, "coordinate")
+
+
+def start_coordinates(model: Model, guess: State | Mapping[str, float] | None) -> FloatArray:
+    """All coordinates of a guess; those that it does not name come from the mechanism's home."""
+    if isinstance(guess, State):
+        if guess.coordinates != model.coordinates:
+            raise InputError("the guess is a state of another mechanism")
+        return guess.q.copy()
+    home = model.mechanism.home_values(model.parameters)
+    if guess is not None:
+        indices, values = known_coordinates(model, guess)
+        home.update({model.coordinates[i]: float(value) for i, value in zip(indices, values, strict=True)})
+    return np.array([home[name] for name in model.coordinates])
+
+
+@dataclass(frozen=True)
+class _Path:
+    """The way of the known coordinates from the guess to the target."""
+
+    model: Model
+    fixed: FloatArray
+    free: FloatArray
+    begin: FloatArray
+    target: FloatArray
+
+    def followed(self, start: FloatArray) -> tuple[Closed, float]:
+        """Continue from the guess; the result at the target, or where it ended, and the part of the way covered."""
+        here = close_loops(self.model, start, self.free)
+        if not here.converged:
+            return here, 0.0
+        done, step = 0.0, 1.0
+        while done < 1.0:
+            step = min(step, 1.0 - done)
+            trial = self._trial(here.q, done + step)
+            if trial is None:
+                step *= 0.5
+                if step < _SMALLEST_STEP:
+                    return Closed(here.q, np.inf, 0, 0.0, converged=False), done
+                continue
+            here, done, step = trial, done + step if done + step < 1.0 - 1e-12 else 1.0, 2.0 * step
+        return here, done
+
+    def _trial(self, q: FloatArray, where: float) -> Closed | None:
+        """Tangent prediction and Newton correction to a point of the way; None if they do not belong together."""
+        predicted = q.copy()
+        predicted[self.fixed] = self.begin + where * (self.target - self.begin) if where < 1.0 else self.target
+        A = self.model.jacobian(q)
+        moved = predicted[self.fixed] - q[self.fixed]
+        predicted[self.free] += np.linalg.lstsq(A[:, self.free], -A[:, self.fixed] @ moved, rcond=1e-6)[0]
+        closed = close_loops(self.model, predicted, self.free)
+        near = float(np.abs(closed.q - predicted).max(initial=0.0)) <= _LARGEST_CORRECTION
+        return closed if closed.converged and near else None
+
+    def searched(self, start: FloatArray, last: Closed) -> Closed:
+        """Newton at the target from the guess and from starts around it; the solution nearest to the guess."""
+        draw = np.random.default_rng(0)
+        found: list[Closed] = []
+        closest = last
+        for k in range(_PERTURBED_STARTS + 2):
+            q = last.q.copy() if k == 1 else start.copy()
+            if k > 1:
+                q[self.free] += draw.normal(scale=0.1 + 0.3 * (k % 3), size=len(self.free))
+            q[self.fixed] = self.target
+            closed = close_loops(self.model, q, self.free)
+            if closed.converged:
+                found.append(closed)
+            elif closed.residual < closest.residual:
+                closest = closed
+            if k <= 1 and found:
+                break
+        return min(found, key=lambda c: float(np.linalg.norm(c.q - start)), default=self._nearest_miss(closest))
+
+    def _nearest_miss(self, closed: Closed) -> Closed:
+        """Least squares at the target: the smallest gaps that remain."""
+        from scipy.optimize import least_squares
+
+        q = closed.q.copy()
+        q[self.fixed] = self.target
+
+        def gaps(x: FloatArray) -> FloatArray:
+            q[self.free] = x
+            return self.model.residual(q)
+
+        def slopes(x: FloatArray) -> FloatArray:
+            q[self.free] = x
+            return self.model.jacobian(q)[:, self.free]
+
+        fit = least_squares(gaps, q[self.free].copy(), jac=slopes, method="trf", x_scale=1.0)
+        q[self.free] = fit.x
+        residual = float(np.abs(fit.fun).max(initial=0.0))
+        return Closed(q, residual, closed.steps, closed.moved, converged=residual <= closed_to(q))
+
+
+def _unreachable(
+    model: Model, known: Mapping[str, float], closed: Closed, reach: float, path: _Path
+) -> AssemblyError:
+    Phi = model.residual(closed.q)
+    gaps: dict[str, float] = {}
+    for label, component in zip(model.labels, Phi, strict=True):
+        loop = label.split()[0]
+        gaps[loop] = float(np.hypot(gaps.get(loop, 0.0), component))
+    worst = max(gaps, key=lambda loop: gaps[loop])
+    at = path.begin + reach * (path.target - path.begin)
+    reached = ", ".join(f"{model.coordinates[i]} = {x:.4g}" for i, x in zip(path.fixed, at, strict=True))
+    wanted = ", ".join(f"{name} = {float(value):.4g}" for name, value in known.items())
+    return AssemblyError(
+        f"the loops cannot be closed for {wanted}: loop {worst!r} stays open by {gaps[worst]:.3g} m at best. "
+        f"Coming from the guess, they close over {reach:.0%} of the way, up to {reached}. "
+        "Choose values nearer to that, other lengths, or a guess on another branch",
+        loop=worst,
+        gap=gaps[worst],
+        reach=reach,
+    )

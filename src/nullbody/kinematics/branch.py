@@ -1,0 +1,139 @@
+"""All assemblies (branches) of a mechanism for given coordinates, and inverse kinematics among them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from nullbody.catalog import closed_form_of
+from nullbody.errors import InputError
+from nullbody.kinematics.assemble import assemble, known_coordinates, start_coordinates
+from nullbody.kinematics.newton import close_loops
+from nullbody.model import Model, State
+from nullbody.typing import FloatArray
+
+__all__ = ["Branches", "branches", "inverse_kinematics"]
+
+_STARTS = 400
+_SAME = 1e-6  # [m, rad] two assemblies that differ by less are one
+
+
+@dataclass(frozen=True)
+class Branches:
+    """The assemblies for given coordinates, nearest to the guess first.
+
+    Attributes:
+        states: the assembled states, at rest.
+        complete: True where a closed form gives all of them; False where they come from random starts, and
+            there may be more.
+    """
+
+    states: tuple[State, ...]
+    complete: bool
+
+    def __len__(self) -> int:
+        return len(self.states)
+
+    def __iter__(self) -> Iterator[State]:
+        return iter(self.states)
+
+    def __getitem__(self, index: int) -> State:
+        return self.states[index]
+
+
+def branches(
+    model: Model, known: Mapping[str, float], guess: State | Mapping[str, float] | None = None
+) -> Branches:
+    """Every assembly for given coordinates, as many as there are degrees of freedom.
+
+    Mechanisms of the catalog that have a closed form are solved completely; others by Newton from random starts.
+
+    Args:
+        model: the model.
+        known: coordinates by name [m, rad].
+        guess: sorts the result; the mechanism's home by default.
+
+    Raises:
+        UnknownName, InputError: unknown names, a wrong number of them, values that are no finite numbers.
+    """
+    fixed, values = known_coordinates(model, known)
+    if len(fixed) != len(model.independent):
+        raise InputError(f"give {len(model.independent)} coordinates to enumerate branches, not {len(fixed)}")
+    start = start_coordinates(model, guess)
+    free = np.setdiff1d(np.arange(len(model.coordinates)), fixed)
+    closed_form = closed_form_of(model.mechanism.name)
+    candidates = closed_form.assemblies(model.parameters, known) if closed_form else None
+    if candidates is not None:
+        starts = [np.array([candidate[name] for name in model.coordinates]) for candidate in candidates]
+    else:
+        starts = _random_starts(model, start, fixed, values)
+    found: list[FloatArray] = []
+    for q in starts:
+        q[fixed] = values
+        closed = close_loops(model, q, free)
+        if closed.converged and not any(_distance(model, closed.q, other) < _SAME for other in found):
+            found.append(_wrapped(model, closed.q))
+    found.sort(key=lambda q: _distance(model, q, start))
+    rest = np.zeros(len(model.independent))
+    return Branches(tuple(model.trusted_state(q, rest.copy()) for q in found), candidates is not None)
+
+
+def inverse_kinematics(
+    model: Model, pose: Mapping[str, float], guess: State | Mapping[str, float] | None = None
+) -> State:
+    """The state at rest in which the end effector has a given pose, on the branch nearest to the guess.
+
+    Args:
+        model: the model.
+        pose: as many end-effector coordinates as there are degrees of freedom, by name [m, rad]; for the
+            3-PRS y, psi, phi (or theta in place of one angle) are solved in closed form, also where the links
+            are vertical.
+        guess: a state near the wanted branch; the mechanism's home by default.
+
+    Raises:
+        UnknownName, InputError: unknown names, a wrong number of them, values that are no finite numbers.
+        AssemblyError: the pose is out of reach; names the loop, the gap and the reach.
+        SingularityError: the pose does not determine the mechanism.
+    """
+    fixed, values = known_coordinates(model, pose)
+    if len(fixed) != len(model.independent):
+        raise InputError(f"a pose of {model.mechanism.name!r} is {len(model.independent)} coordinates, not {len(fixed)}")
+    closed_form = closed_form_of(model.mechanism.name)
+    start = start_coordinates(model, guess)
+    candidates = closed_form.inverse(model.parameters, pose) if closed_form else None
+    if candidates is None:
+        return assemble(model, pose, guess=guess)
+    rest = np.zeros(len(model.independent))
+    found = [np.array([candidate[name] for name in model.coordinates]) for candidate in candidates]
+    q = min(found, key=lambda q: _distance(model, q, start))
+    q[fixed] = values
+    free = np.setdiff1d(np.arange(len(q)), fixed)
+    return model.trusted_state(close_loops(model, q, free).q, rest)
+
+
+def _random_starts(model: Model, start: FloatArray, fixed: FloatArray, values: FloatArray) -> list[FloatArray]:
+    draw = np.random.default_rng(0)
+    angles = np.array([model.mechanism.units[name] == "rad" for name in model.coordinates])
+    size = max(1e-3, float(np.abs(start[~angles]).max(initial=0.0)), *(abs(x) for x in values))
+    starts = [start.copy()]
+    for _ in range(_STARTS):
+        q = np.where(angles, draw.uniform(-np.pi, np.pi, len(start)), start + draw.uniform(-size, size, len(start)))
+        starts.append(q)
+    return starts
+
+
+def _wrapped(model: Model, q: FloatArray) -> FloatArray:
+    """Angles within (-pi, pi]; no equation of a mechanism changes by that."""
+    angles = [model.mechanism.units[name] == "rad" for name in model.coordinates]
+    turned: FloatArray = np.where(angles, np.pi - np.mod(np.pi - q, 2 * np.pi), q)
+    return turned
+
+
+def _distance(model: Model, left: FloatArray, right: FloatArray) -> float:
+    """Largest difference of coordinates, angles modulo a turn."""
+    angles = [model.mechanism.units[name] == "rad" for name in model.coordinates]
+    difference = left - right
+    turned = np.where(angles, np.mod(difference + np.pi, 2 * np.pi) - np.pi, difference)
+    return float(np.abs(turned).max(initial=0.0))

@@ -1,0 +1,76 @@
+"""Newton's method on the loop closures, and the projection onto the constraint manifold."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from nullbody.model import Model
+from nullbody.tolerances import CLOSED, EPS, NEWTON_STEPS
+from nullbody.typing import FloatArray
+
+__all__ = ["Closed", "close_loops", "closed_to", "project"]
+
+_RANK = 1e-9  # singular values below this part of the largest do not steer a Newton step
+_LONGEST_STEP = 0.5  # of a Newton step [m, rad]; longer ones are cut to stay on the branch
+
+
+class Closed(NamedTuple):
+    """What Newton reached: coordinates, largest |Phi| [m], steps, and the path length it moved along."""
+
+    q: FloatArray
+    residual: float
+    steps: int
+    moved: float
+    converged: bool
+
+
+def closed_to(q: FloatArray) -> float:
+    """|Phi| at which loops count as closed [m]: 1e-14, or 64 roundings of the longest length where that is more."""
+    return max(CLOSED, 64 * EPS * float(np.abs(q).max(initial=1.0)))
+
+
+def close_loops(model: Model, q: FloatArray, free: FloatArray) -> Closed:
+    """Solve Phi(q) = 0 for the free coordinates by Newton with least-squares steps.
+
+        dq_free = -A_free^+ Phi
+
+    The step is the shortest one, so that where more coordinates are free than needed the result is near the
+    guess. Iteration goes on while it still gains, past 1e-14 m to the rounding level.
+
+    Args:
+        model: the model.
+        q: a guess of all coordinates.
+        free: indices of the coordinates that may change.
+    """
+    q = q.copy()
+    moved, best, stalled = 0.0, np.inf, 0
+    Phi, A = model.evaluate("closure", q)
+    residual = float(np.abs(Phi).max(initial=0.0))
+    q_best = q.copy()
+    for step in range(NEWTON_STEPS):
+        if not np.isfinite(residual):
+            return Closed(q_best, float(best), step, moved, converged=False)
+        if residual < best:
+            stalled = 0 if residual < 0.5 * best else stalled + 1
+            best, q_best = residual, q.copy()
+        else:
+            stalled += 1
+        if residual <= EPS or (stalled >= 2 and best <= closed_to(q)):
+            return Closed(q_best, best, step, moved, converged=True)
+        change = np.linalg.lstsq(A[:, free], -Phi, rcond=_RANK)[0]
+        length = float(np.abs(change).max(initial=0.0))
+        if length > _LONGEST_STEP:
+            change *= _LONGEST_STEP / length
+        q[free] += change
+        moved += min(length, _LONGEST_STEP)
+        Phi, A = model.evaluate("closure", q)
+        residual = float(np.abs(Phi).max(initial=0.0))
+    return Closed(q_best, float(best), NEWTON_STEPS, moved, converged=bool(best <= closed_to(q_best)))
+
+
+def project(model: Model, q: FloatArray) -> tuple[FloatArray, float]:
+    """The nearest point of the constraint manifold and its |Phi|: q - A^+ Phi, repeated [m]."""
+    closed = close_loops(model, q, np.arange(len(q)))
+    return closed.q, closed.residual

@@ -1,0 +1,78 @@
+"""What every independent engine answers, in nullbody's coordinates and signs."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from importlib import import_module
+from types import ModuleType
+
+import numpy as np
+
+from nullbody.errors import VerificationError
+from nullbody.mechanism import Mechanism
+from nullbody.typing import FloatArray
+
+__all__ = ["AbstractEngine", "Terms", "input_matrix", "load", "loop_labels"]
+
+#: M (nq x nq), h (nq), A (rows x nq) and c (rows) of one state.
+Terms = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+
+
+class AbstractEngine(ABC):
+    """M q'' + h + A^T lambda = S u,  A q'' + c = 0, by somebody else's code.
+
+    q, q', q'' are in the order of the mechanism's coordinates, u in that of its inputs. lambda has the paper's
+    sign, Phi = a - b for every loop, and the order of `labels`. A subclass is made by
+    `Engine(mechanism, values, labels)`; nothing but these three may enter it.
+
+    Attributes:
+        name: as `compare` lists it.
+        version: of the engine.
+        labels: the closure equations that lambda is for.
+    """
+
+    name: str
+    version: str
+    labels: tuple[str, ...]
+
+    @abstractmethod
+    def forward_dynamics(self, q: FloatArray, q_dot: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(q'', lambda) for given inputs."""
+
+    @abstractmethod
+    def inverse_dynamics(self, q: FloatArray, q_dot: FloatArray, q_ddot: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(u, lambda) for given accelerations."""
+
+
+def load(library: str, package: str) -> ModuleType:
+    """Import an engine.
+
+    Raises:
+        VerificationError: it is not installed; the message says how to.
+    """
+    try:
+        return import_module(library)
+    except ImportError as error:
+        raise VerificationError(
+            f"the engine {library!r} cannot be imported ({error}). Install it with: python -m pip install {package} "
+            "(or nullbody[verify] for all engines), or compare with missing='skip'"
+        ) from error
+
+
+def loop_labels(mechanism: Mechanism) -> tuple[str, ...]:
+    """Loop and direction of every closure equation, redundant ones too: "leg1 x", ..."""
+    return tuple(f"{loop.name} {row}" for loop in mechanism.loops for row in loop.rows)
+
+
+def input_matrix(mechanism: Mechanism) -> FloatArray:
+    """S (nq x nu): which coordinate each input acts along."""
+    S = np.zeros((len(mechanism.coordinates), len(mechanism.inputs)))
+    for column, coordinate in enumerate(mechanism.actuated):
+        S[mechanism.coordinates.index(coordinate), column] = 1
+    return S
+
+
+def check_spherical(mechanism: Mechanism, values: Mapping[str, float]) -> None:
+    """Raise unless every loop is a point that two bodies share."""
+    del values

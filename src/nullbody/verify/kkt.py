@@ -1,0 +1,63 @@
+"""The equations with multipliers, solved densely: the road that never eliminates anything.
+
+    [ M  A^T ] [ q''    ]   [ S u - h ]           [ S  -A^T ] [ u      ]
+    [ A   0  ] [ lambda ] = [  -c     ]                       [ lambda ] = M q'' + h
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nullbody.typing import FloatArray
+from nullbody.verify.engine import Terms
+
+__all__ = ["accelerations", "forces"]
+
+_RANK = 1e-10  # relative; a redundant closure leaves about 1e-15, a regular state 1e-3 and more
+
+
+def accelerations(terms: Terms, force: FloatArray, kept: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(q'', lambda) for generalized forces S u.
+
+    All rows of A hold, redundant ones too; lambda is for the rows in `kept` alone (those must be independent).
+    Coordinates are scaled by 1/sqrt(M_ii) and rows to unit length, so that units do not decide about rank.
+    """
+    M, h, A, c = terms
+    size, rows = len(h), len(c)
+    D, E = _scales(M, A)
+    A_scaled = E[:, None] * A * D
+    matrix = np.block([[D[:, None] * M * D, A_scaled.T], [A_scaled, np.zeros((rows, rows))]])
+    right = np.concatenate([D * (force - h), -E * c])
+    if rows == 0 or np.linalg.matrix_rank(A_scaled, tol=_RANK) == rows:
+        solution = np.linalg.solve(matrix, right)
+    else:
+        solution = np.linalg.lstsq(matrix, right, rcond=_RANK)[0]
+    q_ddot = D * solution[:size]
+    if len(kept) == rows:
+        return q_ddot, E * solution[size:]
+    return q_ddot, multipliers(A_scaled[kept], D * (force - M @ q_ddot - h)) * E[kept]
+
+
+def forces(terms: Terms, S: FloatArray, q_ddot: FloatArray, kept: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(u, lambda) for accelerations that fulfil A q'' + c = 0."""
+    M, h, A, _ = terms
+    D, E = _scales(M, A)
+    matrix = np.hstack([D[:, None] * S, -D[:, None] * A[kept].T * E[kept]])
+    solution = np.linalg.lstsq(matrix, D * (M @ q_ddot + h), rcond=_RANK)[0]
+    inputs = S.shape[1]
+    return solution[:inputs], E[kept] * solution[inputs:]
+
+
+def multipliers(A: FloatArray, unbalanced: FloatArray) -> FloatArray:
+    """lambda with A^T lambda = Q - M q'' - h."""
+    found: FloatArray = np.linalg.lstsq(A.T, unbalanced, rcond=_RANK)[0]
+    return found
+
+
+def _scales(M: FloatArray, A: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """D = 1/sqrt(M_ii) of the coordinates and E = 1/|A_i D| of the closures; 1 where that is zero."""
+    inertia = np.diag(M)
+    D = 1 / np.sqrt(np.where(inertia > 0, inertia, 1.0))
+    length = np.linalg.norm(A * D, axis=1)
+    largest = length.max(initial=0.0)
+    return D, 1 / np.where(length > _RANK * largest, length, max(largest, 1.0))

@@ -1,0 +1,116 @@
+"""Pinocchio's tree algorithms and its exact contact dynamics on the same robot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from nullbody.formats import RigidFrame, frame, mass_properties, steps, triple
+from nullbody.mechanism import GROUND, Mechanism
+from nullbody.typing import FloatArray
+from nullbody.verify.engine import AbstractEngine, Terms, input_matrix, load, loop_labels
+from nullbody.verify.kkt import forces, multipliers
+
+__all__ = ["PinocchioEngine"]
+
+_ACCURACY = 1e-15  # of the proximal iteration on the closures [m/s^2]
+_MU = 1e-10  # proximal damping: regularises redundant closures, and its effect is iterated away
+_ITERATIONS = 50
+
+
+class PinocchioEngine(AbstractEngine):
+    """One Pinocchio joint for each coordinate, one three-dimensional contact for each loop.
+
+    Raises:
+        VerificationError: Pinocchio is not installed.
+    """
+
+    name = "pinocchio"
+
+    def __init__(self, mechanism: Mechanism, values: Mapping[str, float], labels: tuple[str, ...]) -> None:
+        self._pin = load("pinocchio", "pin")
+        self.version = str(self._pin.__version__)
+        self.labels = labels
+        everything = loop_labels(mechanism)
+        self._kept = np.array([everything.index(label) for label in labels], dtype=int)
+        self._redundant = len(labels) < len(everything)
+        self._model = self._pin.Model()
+        self._model.gravity.linear = triple(mechanism.gravity, values)
+        holders = self._tree(mechanism, values)
+        self._data = self._model.createData()
+        ids = [self._model.getJointId(name) for name in mechanism.coordinates]
+        self._at = np.array([self._model.joints[joint].idx_v for joint in ids])
+        self._contacts = self._loops(mechanism, values, holders)
+        self._contact_data = self._pin.StdVec_RigidConstraintData()
+        for contact in self._contacts:
+            self._contact_data.append(contact.createData())
+        self._pin.initConstraintDynamics(self._model, self._data, self._contacts)
+        self._S = input_matrix(mechanism)
+
+    def forward_dynamics(self, q: FloatArray, q_dot: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """q'' by constraintDynamics; lambda from its contact forces, turned into the ground frame."""
+        pin = self._pin
+        settings = pin.ProximalSettings(_ACCURACY, _MU, _ITERATIONS)
+        state = self._sorted(q), self._sorted(q_dot), self._sorted(self._S @ u)
+        found = pin.constraintDynamics(self._model, self._data, *state, self._contacts, self._contact_data, settings)
+        q_ddot = np.array(found)[self._at]
+        if self._redundant:
+            M, h, A, _ = self.terms(q, q_dot)
+            return q_ddot, multipliers(A[self._kept], self._S @ u - M @ q_ddot - h)
+        turned = [
+            contact.oMc1.rotation @ contact.contact_force.linear for contact in self._contact_data
+        ]
+        return q_ddot, -np.concatenate([*turned, np.zeros(0)])
+
+    def inverse_dynamics(self, q: FloatArray, q_dot: FloatArray, q_ddot: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(u, lambda) with S u - A^T lambda = M q'' + h."""
+        return forces(self.terms(q, q_dot), self._S, q_ddot, self._kept)
+
+    def terms(self, q: FloatArray, q_dot: FloatArray) -> Terms:
+        """M by crba, h by rnea, A by the joints' Jacobians; c is left to constraintDynamics."""
+        pin, model, data, at = self._pin, self._model, self._data, self._at
+        position, rate = self._sorted(q), self._sorted(q_dot)
+        M = np.array(pin.crba(model, data, position))
+        M = np.triu(M) + np.triu(M, 1).T
+        h = np.array(pin.rnea(model, data, position, rate, np.zeros(model.nv)))
+        pin.computeJointJacobians(model, data, position)
+        rows = [np.zeros((0, model.nv))]
+        for contact in self._contacts:
+            sides = ((contact.joint1_id, contact.joint1_placement), (contact.joint2_id, contact.joint2_placement))
+            rows.append(np.subtract(*(self._point_jacobian(joint, place) for joint, place in sides)))
+        A = np.vstack(rows)
+        return M[np.ix_(at, at)], h[at], A[:, at], np.zeros(len(A))
+
+    def _point_jacobian(self, joint: int, place: Any) -> FloatArray:
+        """Velocity of a point of a joint's body per unit rate, in the ground frame (3 x nv)."""
+        if joint == 0:
+            return np.zeros((3, self._model.nv))
+        at_origin = self._pin.getJointJacobian(self._model, self._data, joint, self._pin.LOCAL_WORLD_ALIGNED)
+        arm = self._data.oMi[joint].rotation @ place.translation
+        found: FloatArray = at_origin[:3] - self._pin.skew(arm) @ at_origin[3:]
+        return found
+
+    def _sorted(self, values: FloatArray) -> FloatArray:
+        """A vector in the order of Pinocchio's joints."""
+        found = np.zeros(self._model.nv)
+        found[self._at] = values
+        return found
+
+    def _tree(self, mechanism: Mechanism, values: Mapping[str, float]) -> dict[str, tuple[int, RigidFrame]]:
+        """Add all joints and bodies; for each body the joint that carries it. Massless bodies are fine."""
+        pin = self._pin
+        holders = {GROUND: 0}
+        bodies = {body.name: body for body in mechanism.bodies}
+        for joint in mechanism.tree_order():
+            held, place = holders[joint.parent], self._se3(frame(joint.at, values))
+            for step in steps(joint):
+                axis = np.array(step.axis, dtype=float)
+                kind = pin.JointModelPrismaticUnaligned if step.kind == "slide" else pin.JointModelRevoluteUnaligned
+                held = self._model.addJoint(held, kind(axis), place, step.coordinate)
+                place = pin.SE3.Identity()
+            mass, centre, inertia = mass_properties(bodies[joint.child], values)
+            self._model.appendBodyToJoint(held, pin.Inertia(mass, centre, inertia), pin.SE3.Identity())
+            holders[joint.child] = held
+        return holders
