@@ -13,6 +13,7 @@ from nullbody.typing import FloatArray
 __all__ = ["Closed", "close_loops", "closed_to", "project"]
 
 _RANK = 1e-9  # singular values below this part of the largest do not steer a Newton step
+_SETTLED = 1e-8  # [m, rad] a step this short leaves an error of its square
 _LONGEST_STEP = 0.5  # of a Newton step [m, rad]; longer ones are cut to stay on the branch
 
 
@@ -37,7 +38,7 @@ def close_loops(model: Model, q: FloatArray, free: FloatArray) -> Closed:
         dq_free = -A_free^+ Phi
 
     The step is the shortest one, so that where more coordinates are free than needed the result is near the
-    guess. Iteration goes on while it still gains, past 1e-14 m to the rounding level.
+    guess. The last step is one below 1e-8, after which quadratic convergence has reached the rounding level.
 
     Args:
         model: the model.
@@ -45,21 +46,13 @@ def close_loops(model: Model, q: FloatArray, free: FloatArray) -> Closed:
         free: indices of the coordinates that may change.
     """
     q = q.copy()
-    moved, best, stalled = 0.0, np.inf, 0
+    moved = 0.0
     Phi, A = model.evaluate("closure", q)
     residual = float(np.abs(Phi).max(initial=0.0))
-    q_best = q.copy()
     for step in range(NEWTON_STEPS):
-        if not np.isfinite(residual):
-            return Closed(q_best, float(best), step, moved, converged=False)
-        if residual < best:
-            stalled = 0 if residual < 0.5 * best else stalled + 1
-            best, q_best = residual, q.copy()
-        else:
-            stalled += 1
-        if residual <= EPS or (stalled >= 2 and best <= closed_to(q)):
-            return Closed(q_best, best, step, moved, converged=True)
-        change = np.linalg.lstsq(A[:, free], -Phi, rcond=_RANK)[0]
+        if residual <= EPS or not np.isfinite(residual):
+            return Closed(q, residual, step, moved, converged=residual <= EPS)
+        change = _newton_step(A[:, free], Phi)
         length = float(np.abs(change).max(initial=0.0))
         if length > _LONGEST_STEP:
             change *= _LONGEST_STEP / length
@@ -67,7 +60,23 @@ def close_loops(model: Model, q: FloatArray, free: FloatArray) -> Closed:
         moved += min(length, _LONGEST_STEP)
         Phi, A = model.evaluate("closure", q)
         residual = float(np.abs(Phi).max(initial=0.0))
-    return Closed(q_best, float(best), NEWTON_STEPS, moved, converged=bool(best <= closed_to(q_best)))
+        if length <= _SETTLED:
+            break
+    return Closed(q, residual, step + 1, moved, converged=bool(residual <= closed_to(q)))
+
+
+def _newton_step(A: FloatArray, Phi: FloatArray) -> FloatArray:
+    """-A^+ Phi: by LU where A is square and regular, by singular values otherwise."""
+    if A.shape[0] == A.shape[1]:
+        try:
+            change: FloatArray = np.linalg.solve(A, -Phi)
+        except np.linalg.LinAlgError:
+            pass
+        else:
+            if np.abs(change).max(initial=0.0) <= _LONGEST_STEP:
+                return change
+    shortest: FloatArray = np.linalg.lstsq(A, -Phi, rcond=_RANK)[0]
+    return shortest
 
 
 def project(model: Model, q: FloatArray) -> tuple[FloatArray, float]:

@@ -1,0 +1,145 @@
+"""The integration itself: Dormand-Prince 8(5,3) steps, projection, and why it stops."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from nullbody.kinematics import project
+from nullbody.kinematics.newton import closed_to
+from nullbody.model import Model, State
+from nullbody.simulate.outcome import Outcome
+from nullbody.tolerances import CLOSED_STEP, SIMULATED_SPREAD
+from nullbody.typing import FloatArray
+
+__all__ = ["Integration", "Run"]
+
+Input = Callable[[float, State], FloatArray]
+Piece = Callable[[float], FloatArray]
+
+
+@dataclass(frozen=True)
+class Run:
+    """What the integrator did: knots t, states y = (q, v, work) there, and the interpolant of each step."""
+
+    knots: FloatArray
+    states: FloatArray
+    pieces: tuple[Piece, ...]
+    outcome: Outcome
+    note: str
+    evaluations: int
+    projections: int
+    energy: float
+
+    def at(self, t: float) -> FloatArray:
+        """y at a time, from the interpolant of the step that it lies in."""
+        if not self.pieces:
+            return self.states[0].copy()
+        piece = min(max(int(np.searchsorted(self.knots, t)) - 1, 0), len(self.pieces) - 1)
+        return self.pieces[piece](t)
+
+
+class Integration:
+    """y = (q, v, W): q' = N v, v' = Mr^-1 (Br u - hr), W' = u . (rates of the actuated coordinates).
+
+    Args:
+        model: the model.
+        u: inputs u(t, x).
+        rtol, atol: tolerances of the local error.
+        max_step: longest step [s].
+        max_steps: most steps.
+    """
+
+    def __init__(self, model: Model, u: Input, *, rtol: float, atol: float, max_step: float, max_steps: int) -> None:
+        self.model = model
+        self.u = u
+        self.rtol, self.atol, self.max_step, self.max_steps = rtol, atol, max_step, max_steps
+        self.nq, self.nv = len(model.coordinates), len(model.independent)
+        self._independent = [model.coordinates.index(name) for name in model.independent]
+        self._actuated = [model.coordinates.index(name) for name in model.mechanism.actuated]
+
+    def rate(self, t: float, y: FloatArray) -> FloatArray:
+        """y'"""
+        q, v = y[: self.nq], y[self.nq : self.nq + self.nv]
+        u = self.u(t, self.model.trusted_state(q.copy(), v.copy()))
+        q_ddot, q_dot, _, _ = self.model.evaluate("forward_dynamics", q, v, u)
+        power = u @ q_dot[self._actuated]
+        return np.concatenate([q_dot, q_ddot[self._independent], [power]])
+
+    def run(self, state: State, t0: float, t1: float, advance: Callable[[float], None]) -> Run:
+        """Step until t1, or until something named in `Outcome` stops it."""
+        from scipy.integrate import DOP853
+
+        y0 = np.concatenate([state.q, state.v, [0.0]])
+        energy = self.model.energy(state).total
+        if not np.isfinite(self.rate(t0, y0)).all():
+            return self._ended(t0, y0, energy)
+        solver = DOP853(self.rate, t0, y0, t1, rtol=self.rtol, atol=self.atol, max_step=self.max_step)
+        knots, states, pieces, projections = [t0], [y0], [], 0
+        outcome, note = Outcome.COMPLETED, ""
+        while solver.status == "running":
+            with np.errstate(all="ignore"):  # trial steps into a singularity are rejected
+                message = solver.step()
+            if solver.status == "failed":
+                outcome, note = self._failed(solver.y, message)
+                break
+            pieces.append(solver.dense_output())
+            projected, open_by = self._projected(solver.y)
+            if projected is not solver.y:
+                projections += 1
+                solver.y = projected
+                solver.f = self.rate(solver.t, projected)
+            knots.append(float(solver.t))
+            states.append(solver.y.copy())
+            advance(float(solver.t))
+            outcome, note = self._inspected(solver.y, open_by, len(pieces))
+            if not outcome.ok:
+                break
+        return Run(
+            np.array(knots), np.array(states), tuple(pieces), outcome, note, int(solver.nfev), projections, energy
+        )
+
+    def closed(self, states: FloatArray) -> FloatArray:
+        """Interpolated states with the loops closed."""
+        return np.array([self._projected(y)[0] for y in states]).reshape(len(states), -1)
+
+    def _projected(self, y: FloatArray) -> tuple[FloatArray, float]:
+        """y with its loops closed, and what |Phi| remains; y itself where they are closed already."""
+        residual = float(np.abs(self.model.residual(y[: self.nq])).max(initial=0.0))
+        if residual <= CLOSED_STEP:
+            return y, residual
+        q, residual = project(self.model, y[: self.nq])
+        return np.concatenate([q, y[self.nq :]]), residual
+
+    def _inspected(self, y: FloatArray, open_by: float, steps: int) -> tuple[Outcome, str]:
+        """Whether to go on after a step."""
+        if not open_by <= 10 * closed_to(y[: self.nq]):
+            return Outcome.LOOPS_OPEN, f" (|Phi| = {open_by:.1e} m)"
+        _, _, _, delta, spread = self.model.evaluate("kinematics", y[: self.nq], y[self.nq : self.nq + self.nv])
+        if not spread < SIMULATED_SPREAD:
+            return self._singular(float(delta), float(spread))
+        if steps >= self.max_steps:
+            return Outcome.TOO_MANY_STEPS, f" ({steps} steps)"
+        return Outcome.COMPLETED, ""
+
+    def _singular(self, delta: float, spread: float) -> tuple[Outcome, str]:
+        names = ", ".join(self.model.independent)
+        return Outcome.SINGULAR_INDEPENDENT_SET, f" (v = rates of {names}, |B| = {delta:.2g}, |N| = {np.sqrt(spread):.2g})"
+
+    def _failed(self, y: FloatArray, message: str | None) -> tuple[Outcome, str]:
+        """Name a step that could not be made: close to a singularity it is that."""
+        _, _, _, delta, spread = self.model.evaluate("kinematics", y[: self.nq], y[self.nq : self.nq + self.nv])
+        if not spread < np.sqrt(SIMULATED_SPREAD):
+            return self._singular(float(delta), float(spread))
+        return Outcome.STEP_TOO_SMALL, f" ({message})" if message else ""
+
+    def _ended(self, t0: float, y0: FloatArray, energy: float) -> Run:
+        """A run that could not take its first step."""
+        _, _, _, delta, spread = self.model.evaluate("kinematics", y0[: self.nq], y0[self.nq : self.nq + self.nv])
+        outcome, note = Outcome.NOT_FINITE, ""
+        if not spread < SIMULATED_SPREAD:
+            outcome, note = self._singular(float(delta), float(spread))
+        return Run(np.array([t0]), y0[None, :], (), outcome, note, 1, 0, energy)
+

@@ -1,0 +1,29 @@
+"""How a simulation can end."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+__all__ = ["Outcome"]
+
+
+class Outcome(Enum):
+    """How a simulation ended; the value says what it means and what to try."""
+
+    COMPLETED = "the end time was reached"
+    SINGULAR_INDEPENDENT_SET = (
+        "the chosen independent coordinates become singular (|B| -> 0): a forward singularity, where the mechanism "
+        "itself may well move on. Derive with other independent coordinates to go through"
+    )
+    STEP_TOO_SMALL = (
+        "the step became smaller than the spacing of floating-point numbers: the motion is too stiff or not smooth, "
+        "often a discontinuous input. Check u(t, x), or loosen rtol"
+    )
+    TOO_MANY_STEPS = "the limit on steps was reached: the motion is stiff. Raise max_steps, or loosen rtol"
+    NOT_FINITE = "an input or an acceleration is not finite. Check u(t, x)"
+    LOOPS_OPEN = "the loops could not be closed again after a step: the motion reached a configuration singularity"
+
+    @property
+    def ok(self) -> bool:
+        """Whether the end time was reached."""
+        return self is Outcome.COMPLETED

@@ -1,0 +1,149 @@
+"""simulate: integrate a model in time with the loops kept closed."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from nullbody.errors import InputError, SimulationError
+from nullbody.model import Model, State
+from nullbody.simulate.integration import Integration, Run
+from nullbody.simulate.progress import progress_bar
+from nullbody.simulate.trajectory import Statistics, Trajectory
+from nullbody.typing import FloatArray
+
+__all__ = ["simulate"]
+
+_TIGHTEST = 1e-13  # relative tolerance below which rounding decides
+
+
+def simulate(
+    model: Model,
+    state: State,
+    t1: float,
+    *,
+    u: Callable[[float, State], Any] | object = None,
+    t0: float = 0.0,
+    rtol: float = 1e-10,
+    samples: int | Sequence[float] | FloatArray | None = None,
+    throw: bool = True,
+    progress: bool | None = None,
+    **options: Any,
+) -> Trajectory:
+    """The motion from a state until t1: q' = N v, v' = Mr^-1 (Br u - hr), by DOP853 with adaptive steps.
+
+    After each step whose closures exceed 2e-14 m the coordinates are projected back onto the manifold, so that
+    every stored sample is closed to 1e-13 m; the rates satisfy A q' = 0 by construction.
+
+    Args:
+        model: the model.
+        state: where it starts; from `assemble`, `model.state` or a trajectory.
+        t1: end time [s].
+        u: inputs: a function u(t, x) of time and state, constant values (sequence or by name), or None for
+            none. [N, N m]
+        t0: start time [s].
+        rtol: relative tolerance of the local error.
+        samples: number of evenly spaced samples to store, or their times; the integrator's steps by default.
+        throw: raise where the end time is not reached; otherwise `outcome` says why.
+        progress: show a progress bar; by default on a terminal when the run takes longer than two seconds.
+        options: `atol` (0.01 rtol), `max_step` [s], `max_steps` (1 000 000).
+
+    Raises:
+        InputError: wrong times, tolerances or inputs.
+        SimulationError: the end was not reached; `.trajectory` holds what was, with its Outcome.
+    """
+    began = time.perf_counter()
+    _check(model, state, t0, t1, rtol)
+    integration = Integration(model, _input_function(model, u), rtol=rtol, **_options(options, rtol))
+    with progress_bar(f"simulating {model.mechanism.name}", t0, t1, progress) as advance:
+        run = integration.run(state, t0, t1, advance)
+    times = _sample_times(samples, t0, run.knots)
+    trajectory = _stored(model, integration, run, times, began)
+    if throw and not trajectory.outcome.ok:
+        raise SimulationError(
+            f"the simulation of {model.mechanism.name!r} ended at t = {run.knots[-1]:.6g} s of {t1:g} s: "
+            f"{trajectory.outcome.value}{run.note}",
+            trajectory,
+        )
+    return trajectory
+
+
+def _check(model: Model, state: State, t0: float, t1: float, rtol: float) -> None:
+    if not isinstance(state, State) or (state.coordinates, state.independent) != (model.coordinates, model.independent):
+        raise InputError("simulate starts from a State of the same model: use model.state(q, v) or assemble(...)")
+    if not (np.isfinite(t0) and np.isfinite(t1) and t1 > t0):
+        raise InputError(f"the end time t1 = {t1} must be finite and after the start t0 = {t0}")
+    if not _TIGHTEST <= rtol <= 0.1:
+        raise InputError(f"rtol = {rtol} must be within {_TIGHTEST}..0.1")
+
+
+def _options(options: dict[str, Any], rtol: float) -> dict[str, Any]:
+    known = {"atol": 0.01 * rtol, "max_step": np.inf, "max_steps": 1_000_000}
+    for name, value in options.items():
+        if name not in known:
+            raise TypeError(f"simulate has no option {name!r}; known: {', '.join(known)}")
+        if not value > 0:
+            raise InputError(f"{name} must be positive, not {value}")
+    return {**known, **options}
+
+
+def _input_function(model: Model, u: Any) -> Callable[[float, State], FloatArray]:
+    if callable(u):
+        return lambda t, x: model.input_vector(u(t, x))
+    constant = model.input_vector(u)
+    return lambda t, x: constant
+
+
+def _sample_times(samples: int | Sequence[float] | FloatArray | None, t0: float, knots: FloatArray) -> FloatArray:
+    if samples is None:
+        return knots
+    if isinstance(samples, int):
+        if samples < 2:
+            raise InputError(f"at least 2 samples are needed, not {samples}")
+        return np.linspace(t0, knots[-1], samples)
+    times = np.asarray(samples, dtype=np.float64)
+    if times.ndim != 1 or not len(times) or not np.isfinite(times).all() or (np.diff(times) <= 0).any() or times[0] < t0:
+        raise InputError(f"sample times must increase from t0 = {t0:g} s on")
+    return times[times <= knots[-1]]
+
+
+def _stored(model: Model, integration: Integration, run: Run, times: FloatArray, began: float) -> Trajectory:
+    """Everything at the sample times, and the balances."""
+    nq, nv = len(model.coordinates), len(model.independent)
+    at_knots = len(times) == len(run.knots) and bool((times == run.knots).all())
+    y = run.states if at_knots else np.array([run.at(float(t)) for t in times]).reshape(len(times), -1)
+    if not at_knots:
+        y = integration.closed(y)
+    q, v, work = y[:, :nq], y[:, nq : nq + nv], y[:, nq + nv]
+    states = [model.trusted_state(q[k].copy(), v[k].copy()) for k in range(len(times))]
+    energies = np.array([model.energy(x) for x in states]).reshape(-1, 2)
+    inputs = np.array([integration.u(float(t), x) for t, x in zip(times, states, strict=True)]).reshape(len(times), -1)
+    residual = max((float(np.abs(model.residual(x.q)).max(initial=0.0)) for x in states), default=0.0)
+    balance = energies.sum(axis=1) - work
+    statistics = Statistics(
+        steps=len(run.knots) - 1,
+        evaluations=run.evaluations,
+        projections=run.projections,
+        residual=residual,
+        energy_drift=float(np.abs(balance - run.energy).max(initial=0.0)),
+        seconds=time.perf_counter() - began,
+    )
+    for array in (q, v, inputs, energies, work):
+        array.flags.writeable = False
+    return Trajectory(
+        model=model,
+        t=times,
+        q=q,
+        v=v,
+        u=inputs,
+        kinetic=energies[:, 0],
+        potential=energies[:, 1],
+        work=work,
+        outcome=run.outcome,
+        statistics=statistics,
+        _knots=run.knots,
+        _pieces=run.pieces,
+    )
