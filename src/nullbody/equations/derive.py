@@ -71,6 +71,7 @@ class _Symbols:
         self.groups = {
             "q": names,
             "v": tuple(f"{name}_dot" for name in independent),
+            "q_dot": tuple(f"{name}_dot" for name in names),
             "u": mechanism.inputs,
             "v_dot": tuple(f"{name}_ddot" for name in independent),
             "q_ddot": tuple(f"{name}_ddot" for name in names),
@@ -162,8 +163,7 @@ def _routines(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symb
     v_dot = solve_symmetric(reduced.Mr, add(matvec(Br, symbols.u), scale(-1, reduced.hr)))
     demanded = acceleration(N, symbols.group("v_dot"), gamma)
     needed = matvec(transpose(N), add(matvec(bodies.M, demanded), h))
-    q_ddot = symbols.group("q_ddot")
-    unbalanced = add(symbols.Q, scale(-1, add(matvec(bodies.M, q_ddot), h)))
+    unbalanced = add(symbols.Q, scale(-1, add(matvec(bodies.M, symbols.group("q_ddot")), bodies.h)))
     lam = space.multipliers(unbalanced)
     routines = {
         "closure": Routine(("q",), {"Phi": [loops.Phi[i] for i in space.rows], "A": [loops.A[i] for i in space.rows]}),
@@ -174,8 +174,8 @@ def _routines(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symb
         "inverse_dynamics": Routine(
             ("q", "v", "v_dot"), {"Qr": needed, "u": _inputs(Br, needed), "q_ddot": demanded, **check}
         ),
-        "reactions": Routine(("q", "v", "u", "q_ddot"), {"lam": [lam[i] for i in space.rows], **check}),
-        "energy": Routine(("q", "v"), {"T": substitute([bodies.T], onto)[0], "U": bodies.U}),
+        "reactions": Routine(("q", "q_dot", "u", "q_ddot"), {"lam": [lam[i] for i in space.rows]}),
+        "energy": Routine(("q", "q_dot"), {"T": bodies.T, "U": bodies.U}),
     }
     return {
         name: Routine(r.inputs, {key: _expressions(value, zero) for key, value in r.outputs.items()})

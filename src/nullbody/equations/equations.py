@@ -20,7 +20,7 @@ class Routine:
     """A set of outputs that are evaluated together: what becomes one kernel.
 
     Attributes:
-        inputs: groups among "q", "v", "u", "v_dot", "q_ddot"; parameters always come last.
+        inputs: groups among "q", "v", "q_dot", "u", "v_dot", "q_ddot"; parameters always come last.
         outputs: named scalars, vectors or matrices.
     """
 
@@ -45,7 +45,7 @@ class Equations:
         labels: loop and direction of every closure equation that is kept, in the order of Phi.
         redundant: labels of equations that repeat others and were left out.
         outputs: the named outputs, in (q, q', u, parameters).
-        routines: outputs in (q, v, u, parameters), as they are compiled.
+        routines: what is compiled: mostly in (q, v, u, parameters), with q' = N v put in.
         groups: names of the symbols in each group of inputs.
         null_space: the null space of A with its factors.
     """

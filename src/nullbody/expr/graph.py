@@ -3,7 +3,8 @@
 A node is an operation on references; a reference is `2 * node + sign`, so that a negation costs nothing.
 Each node also carries its value at a random point of a prime field (`field`). A new operation whose value is
 already there, up to sign, becomes a reference to the older node: equal functions share one node, sin^2 + cos^2
-is 1, and a sum that cancels is 0. `verify` repeats every such merge at a second prime.
+is 1, and a sum that cancels is 0. (Not where the older node is written with symbols that the new one does not
+have: a substitution must get rid of a symbol for good.) `verify` repeats every such merge at a second prime.
 
 Nodes are only ever appended, and a node's operands precede it: node order is an order of evaluation.
 """
@@ -186,9 +187,9 @@ class Graph:
         if ref is not None:
             return ref
         value = self._witness.of_operation(key)
+        depends = self.depends[a >> 1] | (self.depends[b >> 1] if op in ("add", "sub", "mul") else 0)
         ref = self._by_value.get(value)
-        if ref is None:
-            depends = self.depends[a >> 1] | (self.depends[b >> 1] if op in ("add", "sub", "mul") else 0)
+        if ref is None or self.depends[ref >> 1] & ~depends:  # never trade for a node that needs other symbols
             ref = self._append(key, depends, value)
         else:
             self._merges.append((key, ref))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import pairwise
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
@@ -51,5 +52,5 @@ def _outline(mechanism: Mechanism, values: Mapping[str, float], name: str) -> li
 
 def _sides(points: list[FloatArray]) -> list[tuple[FloatArray, FloatArray]]:
     """Neighbouring points, closed to a ring from three points on."""
-    open_line = list(zip(points, points[1:], strict=False))
+    open_line = list(pairwise(points))
     return [*open_line, (points[-1], points[0])] if len(points) > 2 else open_line

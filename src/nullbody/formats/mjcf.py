@@ -10,7 +10,7 @@ import numpy as np
 
 from nullbody.errors import MechanismError
 from nullbody.formats.look import add_look
-from nullbody.formats.rigid import RigidFrame, Step, frame, mass_properties, steps, triple
+from nullbody.formats.rigid import RigidFrame, Step, frame, loop_points, mass_properties, steps, triple
 from nullbody.mechanism import GROUND, AbstractTreeJoint, Mechanism
 from nullbody.typing import FloatArray
 
@@ -62,8 +62,8 @@ def write_mjcf(mechanism: Mechanism, values: Mapping[str, float] | None = None) 
     add_look(mechanism, checked, {GROUND: world, **placed})
     equality = SubElement(root, "equality")
     for loop in mechanism.loops:
-        for side, body, point in (("a", loop.body_a, loop.point_a), ("b", loop.body_b, loop.point_b)):
-            site = {"name": f"{loop.name}_{side}", "pos": _text(triple(point, checked)), "size": "0.001"}
+        for side, body, point in zip("ab", (loop.body_a, loop.body_b), loop_points(loop, checked), strict=True):
+            site = {"name": f"{loop.name}_{side}", "pos": _text(point), "size": "0.001"}
             SubElement(world if body == GROUND else placed[body], "site", site)
         SubElement(equality, "connect", name=loop.name, site1=f"{loop.name}_a", site2=f"{loop.name}_b")
     actuators = SubElement(root, "actuator")
@@ -151,7 +151,9 @@ class _Writer:
             axes = axes * np.linalg.det(axes).round()
         place = _place(RigidFrame(axes, centre))
         moments = _text(np.maximum(moments, _SMALLEST))
-        SubElement(element, "inertial", {"pos": "0 0 0", **place, "mass": repr(max(mass, _SMALLEST)), "diaginertia": moments})
+        SubElement(
+            element, "inertial", {"pos": "0 0 0", **place, "mass": repr(max(mass, _SMALLEST)), "diaginertia": moments}
+        )
 
 
 def _place(at: RigidFrame) -> dict[str, str]:

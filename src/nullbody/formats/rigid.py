@@ -11,11 +11,20 @@ import numpy as np
 
 from nullbody.errors import MechanismError
 from nullbody.expr.parse import parse
-from nullbody.mechanism import AbstractTreeJoint, Body, Free, Placement, Prismatic, Revolute
+from nullbody.mechanism import (
+    AbstractLoopJoint,
+    AbstractTreeJoint,
+    Body,
+    Free,
+    Placement,
+    Prismatic,
+    Revolute,
+    Spherical,
+)
 from nullbody.mechanism.joints.base import axis_vector, elementary_rotation
 from nullbody.typing import FloatArray, Scalar, Triple
 
-__all__ = ["RigidFrame", "Step", "frame", "mass_properties", "number", "steps", "triple"]
+__all__ = ["RigidFrame", "Step", "frame", "loop_points", "mass_properties", "number", "steps", "triple"]
 
 
 @dataclass(frozen=True)
@@ -76,6 +85,20 @@ def mass_properties(body: Body, values: Mapping[str, float]) -> tuple[float, Flo
     """Mass [kg], centre of mass in the body's frame [m], inertia about it in the body's axes [kg m^2, 3 x 3]."""
     inertia = np.array([[number(entry, values) for entry in row] for row in body.inertia_matrix])
     return number(body.mass, values), triple(body.centre, values), inertia
+
+
+def loop_points(loop: AbstractLoopJoint, values: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+    """The two points that a loop joint keeps together, each in its own body's frame [m].
+
+    Raises:
+        MechanismError: a type of loop joint that does more than that.
+    """
+    if not isinstance(loop, Spherical):
+        raise MechanismError(
+            f"loop {loop.name!r} is a {type(loop).__name__}, which cannot be written for another engine; "
+            "known: Spherical"
+        )
+    return triple(loop.point_a, values), triple(loop.point_b, values)
 
 
 def steps(joint: AbstractTreeJoint) -> tuple[Step, ...]:

@@ -1,8 +1,8 @@
 """The cache of object files on disk.
 
 Folder: the environment variable NULLBODY_CACHE, else nullbody in the user's cache folder; NULLBODY_CACHE=off: no cache.
-A file is a checksum and an object; it is written under another name and renamed, so that it is there completely or not at
-all, also with several processes. Native code is only loaded from what this user alone can write.
+A file is a checksum and an object; it is written under another name and renamed, so that it is there completely or
+not at all, also with several processes. Native code is only loaded from what this user alone can write.
 """
 
 from __future__ import annotations
@@ -24,10 +24,21 @@ _ADVICE = "set NULLBODY_CACHE to a folder that you can write, or NULLBODY_CACHE=
 
 
 def cache_folder() -> Path | None:
-    """The folder of the cache, or None where NULLBODY_CACHE is "off"."""
+    """The folder of the cache, or None where NULLBODY_CACHE is "off".
+
+    Raises:
+        CacheError: the user has no home folder.
+    """
     chosen = os.environ.get("NULLBODY_CACHE", "")
     if chosen.lower() == "off":
         return None
+    try:
+        return _folder(chosen)
+    except RuntimeError as error:
+        raise CacheError(f"there is no folder for the kernel cache ({error}); {_ADVICE}") from error
+
+
+def _folder(chosen: str) -> Path:
     if chosen:
         return Path(chosen).expanduser().absolute()
     if sys.platform == "win32":
@@ -47,8 +58,8 @@ def load(key: str) -> bytes | None:
     if folder is None:
         return None
     try:
-        with open(folder / _file(key), "rb") as stream:
-            _distrust(folder, os.stat(folder))
+        with (folder / _file(key)).open("rb") as stream:
+            _distrust(folder, folder.stat())
             _distrust(folder / _file(key), os.fstat(stream.fileno()))
             content = stream.read()
     except FileNotFoundError:
@@ -71,20 +82,23 @@ def store(key: str, body: bytes) -> None:
     folder = cache_folder()
     if folder is None:
         return
-    temporary = None
+    temporary: Path | None = None
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        _distrust(folder, os.stat(folder))
-        handle, temporary = tempfile.mkstemp(dir=folder, prefix=f"{key}-", suffix=".tmp")
-        with open(handle, "wb") as stream:
+        _distrust(folder, folder.stat())
+        handle, name = tempfile.mkstemp(dir=folder, prefix=f"{key}-", suffix=".tmp")
+        temporary = Path(name)
+        with os.fdopen(handle, "wb") as stream:
             stream.write(_MAGIC + _checksum(body) + body)
-        os.replace(temporary, folder / _file(key))
+        temporary.replace(folder / _file(key))
     except CacheError:
         raise
     except OSError as error:
         if temporary is not None:
-            Path(temporary).unlink(missing_ok=True)
-        raise CacheError(f"the kernel cache {folder} cannot be written ({error.strerror or error}); {_ADVICE}") from error
+            temporary.unlink(missing_ok=True)
+        raise CacheError(
+            f"the kernel cache {folder} cannot be written ({error.strerror or error}); {_ADVICE}"
+        ) from error
 
 
 def _file(key: str) -> str:
@@ -101,7 +115,8 @@ def _distrust(path: Path, status: os.stat_result) -> None:
         return
     if status.st_uid != os.geteuid():
         raise CacheError(
-            f"{path} belongs to user {status.st_uid}, not to you ({os.geteuid()}): its native code is not loaded; {_ADVICE}"
+            f"{path} belongs to user {status.st_uid}, not to you ({os.geteuid()}): "
+            f"its native code is not loaded; {_ADVICE}"
         )
     if status.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
         raise CacheError(

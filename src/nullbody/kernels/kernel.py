@@ -17,7 +17,9 @@ __all__ = ["Kernel"]
 
 _ARRAY = np.ndarray
 _FLOAT = np.dtype(np.float64)
-_SIGNATURE = ctypes.PYFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)  # keeps the GIL: a call takes less than giving it away
+_SIGNATURE = ctypes.PYFUNCTYPE(
+    None, ctypes.c_void_p, ctypes.c_void_p
+)  # keeps the GIL: a call takes less than giving it away
 
 
 class _Buffers(threading.local):

@@ -1,8 +1,8 @@
 """Tapes as LLVM IR text for double.
 
-Every program becomes `void nb_<name>(double* in, double* out)`. Additions and multiplications carry the flag `contract`,
-so that the code generator forms fused multiply-adds. Signs cost nothing where IEEE allows: a printed value is an
-operand with a sign, products and reciprocals pass signs on, sums become differences.
+Every program becomes `void nb_<name>(double* in, double* out)`. Additions and multiplications carry the flag
+`contract`, so that the code generator forms fused multiply-adds. Signs cost nothing where IEEE allows: a printed
+value is an operand with a sign, products and reciprocals pass signs on, sums become differences.
 """
 
 from __future__ import annotations
@@ -103,7 +103,9 @@ class _Printer:
         return name
 
     def _input(self, name: str, index: int) -> tuple[str, int]:
-        self.lines.append(f"  %i{index} = getelementptr double, ptr %in, i64 {index}\n  {name} = load double, ptr %i{index}")
+        self.lines.append(
+            f"  %i{index} = getelementptr double, ptr %in, i64 {index}\n  {name} = load double, ptr %i{index}"
+        )
         return name, 0
 
     def _product(self, name: str, a: int, b: int) -> tuple[str, int]:

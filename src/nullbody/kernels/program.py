@@ -19,7 +19,8 @@ class Program:
     Attributes:
         name: a C identifier; the native function is called nb_<name>.
         inputs: (group name, size) of every input vector; the tape's inputs are these groups one after the other.
-        outputs: (group name, shape) of every result; the tape's outputs are these arrays one after the other, row-major.
+        outputs: (group name, shape) of every result; the tape's outputs are these arrays one after the other,
+            each row by row.
         tape: the operations.
 
     Raises:
@@ -33,14 +34,21 @@ class Program:
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", self.name):
-            raise InputError(f"a program cannot be named {self.name!r}: use letters, digits and _ (it names a C function)")
+            raise InputError(
+                f"a program cannot be named {self.name!r}: use letters, digits and _ (it names a C function)"
+            )
         for kind, groups in (("input", [g for g, _ in self.inputs]), ("output", [g for g, _ in self.outputs])):
             if twice := sorted({g for g in groups if groups.count(g) > 1}):
-                raise InputError(f"program {self.name!r} has the {kind} group {twice[0]!r} twice; group names are unique")
-        self._match("input", {g: size for g, size in self.inputs}, len(self.tape.inputs))
+                raise InputError(
+                    f"program {self.name!r} has the {kind} group {twice[0]!r} twice; group names are unique"
+                )
+        self._match("input", dict(self.inputs), len(self.tape.inputs))
         self._match("output", {g: prod(shape) for g, shape in self.outputs}, len(self.tape.outputs))
 
     def _match(self, kind: str, sizes: dict[str, int], available: int) -> None:
         if sum(sizes.values()) != available or min(sizes.values(), default=0) < 0:
             listed = " + ".join(f"{g}[{size}]" for g, size in sizes.items()) or "none"
-            raise InputError(f"program {self.name!r}: the {kind} groups {listed} need {sum(sizes.values())} {kind}s, the tape has {available}")
+            needed = sum(sizes.values())
+            raise InputError(
+                f"program {self.name!r}: the {kind} groups {listed} need {needed} {kind}s, the tape has {available}"
+            )

@@ -34,7 +34,9 @@ def interpret(program: Program, *groups: ArrayLike) -> tuple[NDArray[np.float64]
         raise InputError(f"program {program.name!r} takes {len(program.inputs)} input groups, not {len(arrays)}")
     for (name, size), array in zip(program.inputs, arrays, strict=True):
         if array.ndim == 0 or array.shape[-1] != size:
-            raise InputError(f"program {program.name!r}: input {name!r} has shape {array.shape}; its last axis must be {size}")
+            raise InputError(
+                f"program {program.name!r}: input {name!r} has shape {array.shape}; its last axis must be {size}"
+            )
     batch = np.broadcast_shapes(*(array.shape[:-1] for array in arrays))
     inputs: list[Any] = [array[..., k] for array in arrays for k in range(array.shape[-1])]
     with np.errstate(all="ignore"):
@@ -44,6 +46,6 @@ def interpret(program: Program, *groups: ArrayLike) -> tuple[NDArray[np.float64]
         flat[..., k] = value
     results, start = [], 0
     for _, shape in program.outputs:
-        results.append(flat[..., start : start + prod(shape)].reshape(*batch, *shape))
+        results.append(flat[..., start : start + prod(shape)].reshape((*batch, *shape)))
         start += prod(shape)
     return tuple(results)

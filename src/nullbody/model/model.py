@@ -234,14 +234,17 @@ class Model:
             SingularityError: |B| vanishes for these independent coordinates.
         """
         inputs = self.input_vector(u)
-        q_ddot = self.forward_dynamics(state, inputs)
-        lam, delta, spread = self.evaluate("reactions", state.q, state.v, inputs, q_ddot)
-        self._check_regular(spread, delta, lam)
-        return lam
+        q_ddot, q_dot, delta, spread = self.evaluate("forward_dynamics", state.q, state.v, inputs)
+        self._check_regular(spread, delta, q_ddot)
+        return self.evaluate("reactions", state.q, q_dot, inputs, q_ddot)[0]
 
     def energy(self, state: State) -> Energy:
-        """Kinetic and potential energy [J]."""
-        T, U = self.evaluate("energy", state.q, state.v)
+        """Kinetic and potential energy [J].
+
+        Raises:
+            SingularityError: |B| vanishes for these independent coordinates.
+        """
+        T, U = self.evaluate("energy", state.q, self.velocity(state))
         return Energy(float(T), float(U))
 
     # -- checks ---------------------------------------------------------------------------------------------

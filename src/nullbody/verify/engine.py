@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Sequence
 from importlib import import_module
 from types import ModuleType
 
 import numpy as np
+from numpy.typing import NDArray
 
-from nullbody.errors import VerificationError
+from nullbody.errors import UnknownName, VerificationError
 from nullbody.mechanism import Mechanism
 from nullbody.typing import FloatArray
 
-__all__ = ["AbstractEngine", "Terms", "input_matrix", "load", "loop_labels"]
+__all__ = ["AbstractEngine", "IndexArray", "Terms", "input_matrix", "kept_rows", "load"]
+
+#: Indices of closure equations.
+IndexArray = NDArray[np.intp]
 
 #: M (nq x nq), h (nq), A (rows x nq) and c (rows) of one state.
 Terms = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
@@ -60,9 +64,17 @@ def load(library: str, package: str) -> ModuleType:
         ) from error
 
 
-def loop_labels(mechanism: Mechanism) -> tuple[str, ...]:
-    """Loop and direction of every closure equation, redundant ones too: "leg1 x", ..."""
-    return tuple(f"{loop.name} {row}" for loop in mechanism.loops for row in loop.rows)
+def kept_rows(mechanism: Mechanism, labels: Sequence[str]) -> IndexArray:
+    """Where the labelled closure equations stand among those of all loops, redundant ones included.
+
+    Raises:
+        UnknownName: a label that no loop has.
+    """
+    rows = [f"{loop.name} {row}" for loop in mechanism.loops for row in loop.rows]
+    for label in labels:
+        if label not in rows:
+            raise UnknownName("closure equation", label, rows)
+    return np.array([rows.index(label) for label in labels], dtype=np.intp)
 
 
 def input_matrix(mechanism: Mechanism) -> FloatArray:
@@ -71,8 +83,3 @@ def input_matrix(mechanism: Mechanism) -> FloatArray:
     for column, coordinate in enumerate(mechanism.actuated):
         S[mechanism.coordinates.index(coordinate), column] = 1
     return S
-
-
-def check_spherical(mechanism: Mechanism, values: Mapping[str, float]) -> None:
-    """Raise unless every loop is a point that two bodies share."""
-    del values

@@ -1,7 +1,7 @@
 """The equations with multipliers, solved densely: the road that never eliminates anything.
 
-    [ M  A^T ] [ q''    ]   [ S u - h ]           [ S  -A^T ] [ u      ]
-    [ A   0  ] [ lambda ] = [  -c     ]                       [ lambda ] = M q'' + h
+[ M  A^T ] [ q''    ]   [ S u - h ]           [ S  -A^T ] [ u      ]
+[ A   0  ] [ lambda ] = [  -c     ]                       [ lambda ] = M q'' + h
 """
 
 from __future__ import annotations
@@ -9,14 +9,14 @@ from __future__ import annotations
 import numpy as np
 
 from nullbody.typing import FloatArray
-from nullbody.verify.engine import Terms
+from nullbody.verify.engine import IndexArray, Terms
 
 __all__ = ["accelerations", "forces"]
 
 _RANK = 1e-10  # relative; a redundant closure leaves about 1e-15, a regular state 1e-3 and more
 
 
-def accelerations(terms: Terms, force: FloatArray, kept: FloatArray) -> tuple[FloatArray, FloatArray]:
+def accelerations(terms: Terms, force: FloatArray, kept: IndexArray) -> tuple[FloatArray, FloatArray]:
     """(q'', lambda) for generalized forces S u.
 
     All rows of A hold, redundant ones too; lambda is for the rows in `kept` alone (those must be independent).
@@ -34,11 +34,11 @@ def accelerations(terms: Terms, force: FloatArray, kept: FloatArray) -> tuple[Fl
         solution = np.linalg.lstsq(matrix, right, rcond=_RANK)[0]
     q_ddot = D * solution[:size]
     if len(kept) == rows:
-        return q_ddot, E * solution[size:]
-    return q_ddot, multipliers(A_scaled[kept], D * (force - M @ q_ddot - h)) * E[kept]
+        return q_ddot, np.asarray(E * solution[size:])
+    return q_ddot, E[kept] * multipliers(A_scaled[kept], D * (force - M @ q_ddot - h))
 
 
-def forces(terms: Terms, S: FloatArray, q_ddot: FloatArray, kept: FloatArray) -> tuple[FloatArray, FloatArray]:
+def forces(terms: Terms, S: FloatArray, q_ddot: FloatArray, kept: IndexArray) -> tuple[FloatArray, FloatArray]:
     """(u, lambda) for accelerations that fulfil A q'' + c = 0."""
     M, h, A, _ = terms
     D, E = _scales(M, A)

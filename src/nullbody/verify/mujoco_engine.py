@@ -13,7 +13,7 @@ import numpy as np
 from nullbody.formats import write_mjcf
 from nullbody.mechanism import Mechanism
 from nullbody.typing import FloatArray
-from nullbody.verify.engine import AbstractEngine, Terms, input_matrix, load, loop_labels
+from nullbody.verify.engine import AbstractEngine, Terms, input_matrix, kept_rows, load
 from nullbody.verify.kkt import accelerations, forces
 
 __all__ = ["MujocoEngine"]
@@ -33,8 +33,7 @@ class MujocoEngine(AbstractEngine):
         self._mujoco = load("mujoco", "mujoco")
         self.version = str(self._mujoco.__version__)
         self.labels = labels
-        everything = loop_labels(mechanism)
-        self._kept = np.array([everything.index(label) for label in labels], dtype=int)
+        self._kept = kept_rows(mechanism, labels)
         self._model = self._mujoco.MjModel.from_xml_string(write_mjcf(mechanism, values))
         self._data = self._mujoco.MjData(self._model)
         joints = [self._model.joint(name) for name in mechanism.coordinates]

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from nullbody.formats import RigidFrame, frame, mass_properties, steps, triple
+from nullbody.formats import RigidFrame, frame, loop_points, mass_properties, steps, triple
 from nullbody.mechanism import GROUND, Mechanism
 from nullbody.typing import FloatArray
-from nullbody.verify.engine import AbstractEngine, Terms, input_matrix, load, loop_labels
+from nullbody.verify.engine import AbstractEngine, Terms, input_matrix, kept_rows, load
 from nullbody.verify.kkt import forces, multipliers
 
 __all__ = ["PinocchioEngine"]
@@ -33,9 +33,8 @@ class PinocchioEngine(AbstractEngine):
         self._pin = load("pinocchio", "pin")
         self.version = str(self._pin.__version__)
         self.labels = labels
-        everything = loop_labels(mechanism)
-        self._kept = np.array([everything.index(label) for label in labels], dtype=int)
-        self._redundant = len(labels) < len(everything)
+        self._kept = kept_rows(mechanism, labels)
+        self._redundant = len(labels) < sum(len(loop.rows) for loop in mechanism.loops)
         self._model = self._pin.Model()
         self._model.gravity.linear = triple(mechanism.gravity, values)
         holders = self._tree(mechanism, values)
@@ -46,7 +45,8 @@ class PinocchioEngine(AbstractEngine):
         self._contact_data = self._pin.StdVec_RigidConstraintData()
         for contact in self._contacts:
             self._contact_data.append(contact.createData())
-        self._pin.initConstraintDynamics(self._model, self._data, self._contacts)
+        memory = [self._contacts, self._contact_data] if int(self.version.split(".")[0]) > 3 else [self._contacts]
+        self._pin.initConstraintDynamics(self._model, self._data, *memory)
         self._S = input_matrix(mechanism)
 
     def forward_dynamics(self, q: FloatArray, q_dot: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -59,9 +59,7 @@ class PinocchioEngine(AbstractEngine):
         if self._redundant:
             M, h, A, _ = self.terms(q, q_dot)
             return q_ddot, multipliers(A[self._kept], self._S @ u - M @ q_ddot - h)
-        turned = [
-            contact.oMc1.rotation @ contact.contact_force.linear for contact in self._contact_data
-        ]
+        turned = [contact.oMc1.rotation @ contact.contact_force.linear for contact in self._contact_data]
         return q_ddot, -np.concatenate([*turned, np.zeros(0)])
 
     def inverse_dynamics(self, q: FloatArray, q_dot: FloatArray, q_ddot: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -98,12 +96,17 @@ class PinocchioEngine(AbstractEngine):
         found[self._at] = values
         return found
 
-    def _tree(self, mechanism: Mechanism, values: Mapping[str, float]) -> dict[str, tuple[int, RigidFrame]]:
-        """Add all joints and bodies; for each body the joint that carries it. Massless bodies are fine."""
+    def _tree(self, mechanism: Mechanism, values: Mapping[str, float]) -> dict[str, int]:
+        """Add all joints and bodies; for each body the joint that carries it. Massless bodies are fine.
+
+        Depth first: Pinocchio takes the coordinates of a subtree to be contiguous, without checking it.
+        """
         pin = self._pin
         holders = {GROUND: 0}
         bodies = {body.name: body for body in mechanism.bodies}
-        for joint in mechanism.tree_order():
+        waiting = [joint for joint in mechanism.joints if joint.parent == GROUND]
+        while waiting:
+            joint = waiting.pop()
             held, place = holders[joint.parent], self._se3(frame(joint.at, values))
             for step in steps(joint):
                 axis = np.array(step.axis, dtype=float)
@@ -113,4 +116,18 @@ class PinocchioEngine(AbstractEngine):
             mass, centre, inertia = mass_properties(bodies[joint.child], values)
             self._model.appendBodyToJoint(held, pin.Inertia(mass, centre, inertia), pin.SE3.Identity())
             holders[joint.child] = held
+            waiting += [other for other in mechanism.joints if other.parent == joint.child]
         return holders
+
+    def _loops(self, mechanism: Mechanism, values: Mapping[str, float], holders: Mapping[str, int]) -> Any:
+        """A contact between the two points of each loop, in the axes of the first."""
+        pin = self._pin
+        contacts = pin.StdVec_RigidConstraintModel()
+        for loop in mechanism.loops:
+            place_a, place_b = (self._se3(RigidFrame(np.eye(3), point)) for point in loop_points(loop, values))
+            sides = holders[loop.body_a], place_a, holders[loop.body_b], place_b
+            contacts.append(pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, self._model, *sides, pin.LOCAL))
+        return contacts
+
+    def _se3(self, place: RigidFrame) -> Any:
+        return self._pin.SE3(place.rotation, place.position)
