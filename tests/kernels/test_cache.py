@@ -55,7 +55,9 @@ def test_a_damaged_file_is_rebuilt(damage: str, program: Program, cache: Path) -
     (path,) = cache.iterdir()
     content = bytearray(path.read_bytes())
     content[len(content) // 2] ^= 16
-    path.write_bytes({"flip": bytes(content), "truncate": path.read_bytes()[:-9], "empty": b"", "text": b"hello"}[damage])
+    path.write_bytes(
+        {"flip": bytes(content), "truncate": path.read_bytes()[:-9], "empty": b"", "text": b"hello"}[damage]
+    )
     assert _origin(program) == "compiled"
     assert _origin(program) == "cache"
 

@@ -40,7 +40,15 @@ def test_every_sign_reaches_its_output() -> None:
 
 
 def test_negative_operands_of_a_tape_are_honoured() -> None:
-    code = (("symbol", 0, 0), ("symbol", 1, 0), ("add", 1, 2), ("add", 1, 3), ("sub", 1, 3), ("mul", 1, 3), ("inv", 1, 0))
+    code = (
+        ("symbol", 0, 0),
+        ("symbol", 1, 0),
+        ("add", 1, 2),
+        ("add", 1, 3),
+        ("sub", 1, 3),
+        ("mul", 1, 3),
+        ("inv", 1, 0),
+    )
     tape = Tape(("a", "b"), (), (*code, ("cos", 1, 0), ("sin", 1, 0), ("sqrt", 7, 0)), (4, 6, 8, 10, 13, 15, 17, 19))
     program = Program("f", (("x", 2),), (("r", (8,)),), tape)
     x = [0.4, 1.7]
@@ -57,7 +65,9 @@ def test_results_are_new_arrays(random_program: Callable[..., Program]) -> None:
     assert "f(x[5], y[0], z[2]) -> A[3, 4], s[], v[2]" in repr(kernel)
 
 
-@pytest.mark.parametrize("x", [[1, 2, 3, 4, 5], (1.0, 2.0, 3.0, 4.0, 5.0), np.arange(1, 6), np.arange(1.0, 11.0)[::2] / 2 + 0.5])
+@pytest.mark.parametrize(
+    "x", [[1, 2, 3, 4, 5], (1.0, 2.0, 3.0, 4.0, 5.0), np.arange(1, 6), np.arange(1.0, 11.0)[::2] / 2 + 0.5]
+)
 def test_any_vector_of_real_numbers_will_do(x: object, random_program: Callable[..., Program]) -> None:
     kernel = compile_programs([random_program(2)]).kernels["f"]
     expected = kernel(np.arange(1.0, 6.0), EMPTY, Z)

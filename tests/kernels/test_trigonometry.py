@@ -43,7 +43,9 @@ def _ulps(value: float, exact: mpmath.mpf) -> float:
     return float(abs(mpmath.mpf(value) - exact) / math.ulp(float(exact)))
 
 
-@pytest.mark.parametrize("kind", ["one quadrant", "ten", "whole range", "multiples of pi/2", "multiples of pi/4", "tiny"])
+@pytest.mark.parametrize(
+    "kind", ["one quadrant", "ten", "whole range", "multiples of pi/2", "multiples of pi/4", "tiny"]
+)
 def test_the_error_is_below_one_ulp(kind: str, kernel: Kernel) -> None:
     with mpmath.workprec(250):
         numbers = {

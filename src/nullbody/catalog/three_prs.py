@@ -21,11 +21,12 @@ from nullbody.mechanism import (
     Rotation,
     Spherical,
 )
+from nullbody.typing import Triple
 
 __all__ = ["three_prs"]
 
 _LEG_DEGREES = (0, 120, -120)
-_PLATFORM_POINTS = ((0, 0, "b"), ("sqrt(3)/2*b", 0, "-b/2"), ("-sqrt(3)/2*b", 0, "-b/2"))  # b e_i
+_PLATFORM_POINTS: tuple[Triple, ...] = ((0, 0, "b"), ("sqrt(3)/2*b", 0, "-b/2"), ("-sqrt(3)/2*b", 0, "-b/2"))  # b e_i
 
 _PARAMETERS = (
     Parameter("a", 0.8, "m", "distance from the centre at which s = 0"),
@@ -88,5 +89,5 @@ def three_prs(**values: float) -> Mechanism:
 
 def _rail(degrees: int) -> Placement:
     """The frame of a slide: its z axis points outwards along e_i, its origin is where s = 0."""
-    e = {0: (0, 0, "a"), 120: ("sqrt(3)/2*a", 0, "-a/2"), -120: ("-sqrt(3)/2*a", 0, "-a/2")}
+    e: dict[int, Triple] = {0: (0, 0, "a"), 120: ("sqrt(3)/2*a", 0, "-a/2"), -120: ("-sqrt(3)/2*a", 0, "-a/2")}
     return Placement(e[degrees], (Rotation("y", degrees=degrees),))

@@ -117,9 +117,7 @@ def _polished(p: Values, s: list[float], start: FloatArray) -> FloatArray | None
 def _coordinates(p: Values, s: list[float], angles: FloatArray) -> dict[str, float]:
     """All coordinates from slides and elevations: the platform stands on its three joints."""
     y = np.array([0, 1, 0])
-    B = [
-        (p["a"] - s[i] - p["l"] * cos(angles[i])) * _E[i] + p["l"] * sin(angles[i]) * y for i in range(3)
-    ]
+    B = [(p["a"] - s[i] - p["l"] * cos(angles[i])) * _E[i] + p["l"] * sin(angles[i]) * y for i in range(3)]
     centre = sum(B) / 3
     z_axis, x_axis = (B[0] - centre) / p["b"], (B[1] - B[2]) / (sqrt(3) * p["b"])
     R = np.column_stack([x_axis, np.cross(z_axis, x_axis), z_axis])
@@ -182,8 +180,8 @@ def _legs(p: Values, y: float, psi: float, theta: float, phi: float) -> list[dic
         if abs(sine) > 1 + _ROUNDING:
             gap = abs(B[1]) - p["l"]
             raise AssemblyError(
-                f"the pose is out of reach: joint B{i + 1} of the platform would be {abs(B[1]):.4g} m from the plane of "
-                f"the slides, link {i + 1} reaches {p['l']:.4g} m: loop 'leg{i + 1}' stays open by {gap:.3g} m. "
+                f"the pose is out of reach: joint B{i + 1} of the platform would be {abs(B[1]):.4g} m from the plane "
+                f"of the slides, link {i + 1} reaches {p['l']:.4g} m: loop 'leg{i + 1}' stays open by {gap:.3g} m. "
                 "Lower the platform or tilt it less",
                 loop=f"leg{i + 1}",
                 gap=gap,

@@ -168,9 +168,7 @@ def _routines(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symb
     routines = {
         "closure": Routine(("q",), {"Phi": [loops.Phi[i] for i in space.rows], "A": [loops.A[i] for i in space.rows]}),
         "kinematics": Routine(("q", "v"), {"N": N, "gamma": gamma, "q_dot": qd, **check}),
-        "forward_dynamics": Routine(
-            ("q", "v", "u"), {"q_ddot": acceleration(N, v_dot, gamma), "q_dot": qd, **check}
-        ),
+        "forward_dynamics": Routine(("q", "v", "u"), {"q_ddot": acceleration(N, v_dot, gamma), "q_dot": qd, **check}),
         "inverse_dynamics": Routine(
             ("q", "v", "v_dot"), {"Qr": needed, "u": _inputs(Br, needed), "q_ddot": demanded, **check}
         ),
@@ -201,4 +199,3 @@ def _expressions(output: Any, zero: Expr) -> Any:
     if isinstance(output, list | tuple):
         return tuple(_expressions(part, zero) for part in output)
     return zero + output
-

@@ -56,8 +56,8 @@ def frames(mechanism: Mechanism, scalars: ParameterScalars, q: Mapping[str, Expr
 def _child_frame(joint: AbstractTreeJoint, parent: Frame, scalars: ParameterScalars, q: Mapping[str, Expr]) -> Frame:
     motion = joint.motion([q[name] for name in joint.coordinates], sin, cos)
     joint_rotation: Any = _IDENTITY
-    for turn in joint.at.rotations:
-        joint_rotation = matmul(joint_rotation, elementary_rotation(turn.axis, *scalars.sine_cosine(turn)))
+    for fixed in joint.at.rotations:
+        joint_rotation = matmul(joint_rotation, elementary_rotation(fixed.axis, *scalars.sine_cosine(fixed)))
     rotation = matmul(joint_rotation, motion.pose.rotation)
     position = add(scalars.triple(joint.at.position), matvec(joint_rotation, motion.pose.position))
     pose = Pose(
@@ -69,6 +69,6 @@ def _child_frame(joint: AbstractTreeJoint, parent: Frame, scalars: ParameterScal
     for name, (angular, linear) in parent.columns.items():
         columns[name] = (matvec(back, angular), matvec(back, add(linear, cross(angular, position))))
     own = transpose(motion.pose.rotation)
-    for name, angular, linear in zip(joint.coordinates, motion.angular, motion.linear, strict=True):
-        columns[name] = (list(angular), matvec(own, linear))
+    for name, turn, move in zip(joint.coordinates, motion.angular, motion.linear, strict=True):
+        columns[name] = (list(turn), matvec(own, move))
     return Frame(pose, columns)

@@ -95,6 +95,6 @@ def _add_body(
         turned = matvec(I_C, W[i])
         for j in range(i, len(names)):
             entry = part.mass * (zero + dot(J[i], J[j])) + dot(turned, W[j])
-            if not entry == 0:
+            if entry != 0:
                 key = (name, names[j]) if (names[j], name) not in M else (names[j], name)
                 M.setdefault(key, []).append(entry)

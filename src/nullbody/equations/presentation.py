@@ -58,7 +58,9 @@ def summary(equations: Equations) -> str:
         kept = [label.split()[1] for label in equations.labels if label.split()[0] == loop.name]
         dropped = [label.split()[1] for label in equations.redundant if label.split()[0] == loop.name]
         note = f", {' '.join(dropped)} repeats other equations" if dropped else ""
-        lines.append(f"  loop {loop.name}: a point of {loop.body_a} meets a point of {loop.body_b} ({' '.join(kept)}{note})")
+        lines.append(
+            f"  loop {loop.name}: a point of {loop.body_a} meets a point of {loop.body_b} ({' '.join(kept)}{note})"
+        )
     lines.append(f"  {'output':<13}{'size':>8}  {'operations':<40}meaning")
     for name in equations.outputs:
         size = " x ".join(str(n) for n in shape(equations[name])) or "1"

@@ -1,8 +1,8 @@
 """Elimination of the multipliers by the null space (theory 3, [39-46] corrected).
 
-    q' = N v,   q'' = N v' + gamma,   gamma = [-B^-1 c; 0]
-    Mr v' + hr = N^T Q,   Mr = N^T M N,   hr = N^T (h + M gamma)
-    B^T lambda = (Q - M q'' - h) in the dependent places
+q' = N v,   q'' = N v' + gamma,   gamma = [-B^-1 c; 0]
+Mr v' + hr = N^T Q,   Mr = N^T M N,   hr = N^T (h + M gamma)
+B^T lambda = (Q - M q'' - h) in the dependent places
 """
 
 from __future__ import annotations

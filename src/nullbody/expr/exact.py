@@ -5,19 +5,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from math import gcd, isqrt, isfinite
+from math import gcd, isfinite, isqrt
 
 from nullbody.errors import InputError
 
 __all__ = ["Exact", "prime_factors"]
 
+_LARGEST_TRIAL = 10_000
 _BITS = 160  # binary digits kept of a square root when a constant is rounded to double
 
 
 def prime_factors(number: int) -> list[int]:
-    """The prime factors of a positive integer with multiplicity, by trial division."""
+    """The prime factors of a positive integer with multiplicity, by trial division up to `_LARGEST_TRIAL`.
+
+    What is left beyond that stays one factor: sqrt(10^24 + 7) needs no factors to be exact.
+    """
     factors, trial = [], 2
-    while trial * trial <= number:
+    while trial * trial <= number and trial <= _LARGEST_TRIAL:
         while number % trial == 0:
             factors.append(trial)
             number //= trial

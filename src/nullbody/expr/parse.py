@@ -15,13 +15,14 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from fractions import Fraction
-from typing import Any
+from typing import Any, NoReturn
 
 from nullbody.errors import ExpressionError, UnknownName
 
 __all__ = ["FLOAT_FUNCTIONS", "names_in", "parse"]
 
 _TOKEN = re.compile(r"\s*(?:(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)|([A-Za-z_]\w*)|(\*\*|[-+*/^()]))")
+_Token = tuple[str, str, int]
 _LONGEST = 500  # characters
 _DEEPEST = 40  # nested parentheses and signs
 _LARGEST_EXPONENT = 64
@@ -86,8 +87,9 @@ class _Parser:
         self.next = 0
         self.depth = 0
 
-    def _tokens(self) -> list[tuple[str, str, int]]:
-        tokens, place = [], 0
+    def _tokens(self) -> list[_Token]:
+        tokens: list[_Token] = []
+        place = 0
         text = self.source.rstrip()
         while place < len(text):
             match = _TOKEN.match(text, place)
@@ -99,8 +101,11 @@ class _Parser:
             place = match.end()
         return [*tokens, ("end", "", len(text))]
 
-    def _fail(self, what: str, place: int) -> Any:
-        raise ExpressionError(f"{what} at character {place + 1} of {self.source!r}; allowed: numbers, parameters, + - * / ^, sqrt, sin, cos, pi, ( )")
+    def _fail(self, what: str, place: int) -> NoReturn:
+        raise ExpressionError(
+            f"{what} at character {place + 1} of {self.source[:80]!r}; "
+            "allowed: numbers, parameters, + - * / ^, sqrt, sin, cos, pi, ( )"
+        )
 
     def _take(self, *signs: str) -> str | None:
         kind, word, _ = self.tokens[self.next]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
 from nullbody.expr.exact import Exact
 from nullbody.expr.expression import Expr
@@ -12,24 +13,24 @@ from nullbody.expr.graph import Graph
 
 __all__ = ["latex", "latex_symbol", "shared_nodes", "text"]
 
-_GREEK = (
-    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon phi chi psi omega"
-).split()
+_GREEK = {
+    *("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu"),
+    *("nu", "xi", "pi", "rho", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega"),
+}
 _SUM, _PRODUCT, _ATOM = 0, 1, 2
 
 
 @dataclass(frozen=True)
 class _Style:
-    """How the pieces are written; `times` joins factors."""
+    """How the pieces are written."""
 
     tex: bool
 
     def symbol(self, name: str) -> str:
         return latex_symbol(name) if self.tex else name
 
-    @property
-    def times(self) -> str:
-        return r" \, " if self.tex else "*"
+    def times(self, factors: Sequence[str]) -> str:
+        return (r" \, " if self.tex else "*").join(factors)
 
     def fenced(self, body: str) -> str:
         return rf"\left({body}\right)" if self.tex else f"({body})"
@@ -39,13 +40,18 @@ class _Style:
             return f"{name}({body})"
         return rf"\sqrt{{{body}}}" if name == "sqrt" else rf"\{name}{{{body}}}"
 
-    def inverse(self, body: str) -> str:
-        return rf"\frac{{1}}{{{body}}}" if self.tex else f"1/({body})"
+    def quotient(self, above: str, below: str) -> str:
+        return rf"\frac{{{above}}}{{{below}}}" if self.tex else f"{above}/({below})"
+
+    def power(self, body: str, power: int) -> str:
+        return f"{body}^{{{power}}}" if self.tex else f"{body}^{power}"
 
     def constant(self, number: Exact) -> str:
+        """A positive constant; in LaTeX sqrt(3)/2 is a small fraction."""
         if not self.tex:
             return str(number)
-        return re.sub(r"(\d+\*)?sqrt\((\d+)\)|(\d+)/(\d+)", _tex_part, _tex_quotients(number)).replace("*", r" \, ")
+        terms = [_tex_term(k, part) for k, part in number.terms]
+        return terms[0] + "".join(f" - {t[1:]}" if t.startswith("-") else f" + {t}" for t in terms[1:])
 
 
 def text(expression: Expr, names: Mapping[int, str] | None = None) -> str:
@@ -59,7 +65,7 @@ def latex(expression: Expr, names: Mapping[int, str] | None = None) -> str:
 
 
 def latex_symbol(name: str) -> str:
-    """A name as LaTeX: alpha1 -> \\alpha_{1}, Ixx -> I_{xx}, q_dot -> \\dot{q}."""
+    r"""A name as LaTeX: alpha1 -> \alpha_{1}, Ixx -> I_{xx}, q_dot -> \dot{q}."""
     if name.endswith("_dot"):
         return rf"\dot{{{latex_symbol(name[:-4])}}}"
     stem, digits = re.fullmatch(r"(.*?)_?(\d*)", name).groups()  # type: ignore[union-attr]
@@ -89,15 +95,12 @@ def shared_nodes(expressions: Sequence[Expr], smallest: int = 3) -> list[int]:
     return [node for node in nodes if uses[node] > 1 and size[node] >= smallest]
 
 
-def _tex_quotients(number: Exact) -> str:
-    return str(number)
-
-
-def _tex_part(match: re.Match[str]) -> str:
-    factor, radicand, numerator, denominator = match.groups()
-    if radicand:
-        return (factor or "").replace("*", "") + rf"\sqrt{{{radicand}}}"
-    return rf"\tfrac{{{numerator}}}{{{denominator}}}"
+def _tex_term(radicand: int, part: Fraction) -> str:
+    above = str(abs(part.numerator))
+    if radicand > 1:
+        above = ("" if above == "1" else above) + rf"\sqrt{{{radicand}}}"
+    sign = "-" if part < 0 else ""
+    return sign + (above if part.denominator == 1 else rf"\tfrac{{{above}}}{{{part.denominator}}}")
 
 
 def _write(graph: Graph, ref: int, names: Mapping[int, str], style: _Style) -> tuple[str, int]:
@@ -109,18 +112,21 @@ def _write(graph: Graph, ref: int, names: Mapping[int, str], style: _Style) -> t
     if op == "symbol":
         return _negated(style.symbol(graph.symbols[a]), _ATOM, negative)
     if op == "const":
-        number = graph.constants[a]
-        body = style.constant(number)
-        rank = _SUM if len(number.terms) > 1 else _ATOM if number.fraction is not None and "/" not in str(number) else _PRODUCT
-        return (body if not negative else f"-{body}" if rank else f"-{style.fenced(body)}"), (rank if not negative else _SUM)
+        return _constant(graph.constants[a], negative, style)
     if op in ("add", "sub"):
         return _sum(graph, node, negative, names, style), _SUM
-    if op == "mul":
-        body = style.times.join(_factors(graph, node, names, style))
-        return _negated(body, _PRODUCT, negative)
-    inner = _write(graph, a, names, style)[0]
-    body = style.inverse(inner) if op == "inv" else style.function(op, inner)
-    return _negated(body, _ATOM if op != "inv" else _PRODUCT, negative)
+    if op in ("mul", "inv"):
+        return _negated(_product(graph, node, names, style), _PRODUCT, negative)
+    return _negated(style.function(op, _write(graph, a, names, style)[0]), _ATOM, negative)
+
+
+def _constant(number: Exact, negative: int, style: _Style) -> tuple[str, int]:
+    body = style.constant(number)
+    if len(number.terms) > 1:
+        return (f"-{style.fenced(body)}" if negative else body), _SUM
+    return _negated(
+        body, _ATOM if number.fraction is not None and number.fraction.denominator == 1 else _PRODUCT, negative
+    )
 
 
 def _negated(body: str, rank: int, negative: int) -> tuple[str, int]:
@@ -145,27 +151,42 @@ def _sum(graph: Graph, node: int, negative: int, names: Mapping[int, str], style
     return written[0] + "".join(f" - {w[1:]}" if w.startswith("-") else f" + {w}" for w in written[1:])
 
 
-def _factors(graph: Graph, node: int, names: Mapping[int, str], style: _Style) -> list[str]:
-    """Flatten nested products into one list of factors, equal ones as powers."""
-    counts: dict[int, int] = {}
-    stack = [node]
+def _product(graph: Graph, node: int, names: Mapping[int, str], style: _Style) -> str:
+    """Flatten nested products: the constant first, then symbols, then the rest, reciprocals below."""
+    constant = Exact.of(1)
+    above: dict[int, int] = {}
+    below: dict[int, int] = {}
+    stack = [(node, above, below)]
     while stack:
-        current = stack.pop()
+        current, here, there = stack.pop()
         op, a, b = graph.code[current]
         if op == "mul" and (current == node or current not in names):
-            stack += [b >> 1, a >> 1]
+            stack += [(b >> 1, here, there), (a >> 1, here, there)]
+        elif op == "inv" and (current == node or current not in names):
+            stack.append((a >> 1, there, here))
+        elif op == "const":
+            constant = constant * (graph.constants[a] if here is above else graph.constants[a].inverse())
         else:
-            counts[current] = counts.get(current, 0) + 1
+            here[current] = here.get(current, 0) + 1
+    factors = _factors(graph, above, names, style)
+    if constant != Exact.of(1) or not factors:
+        body, rank = _constant(constant, 0, style)
+        factors.insert(0, style.fenced(body) if rank == _SUM else body)
+    written = style.times(factors)
+    return style.quotient(written, style.times(_factors(graph, below, names, style))) if below else written
+
+
+def _factors(graph: Graph, counts: Mapping[int, int], names: Mapping[int, str], style: _Style) -> list[str]:
+    """The factors as powers, simple ones first."""
+    order = {"symbol": 0, "sin": 2, "cos": 2, "sqrt": 2, "add": 3, "sub": 3}
     factors = []
-    for part, power in counts.items():
+    for part in sorted(counts, key=lambda n: (1 if n in names else order.get(graph.code[n][0], 2), n)):
         body, rank = _write(graph, 2 * part, names, style)
-        body = style.fenced(body) if rank == _SUM or (power > 1 and rank < _ATOM) else body
-        factors.append(body if power == 1 else _power(graph, part, body, power, style))
+        power = counts[part]
+        if style.tex and power > 1 and part not in names and graph.code[part][0] in ("sin", "cos"):
+            name = graph.code[part][0]
+            factors.append(body.replace(rf"\{name}", rf"\{name}^{{{power}}}", 1))
+            continue
+        body = style.fenced(body) if rank == _SUM else body
+        factors.append(body if power == 1 else style.power(body, power))
     return factors
-
-
-def _power(graph: Graph, node: int, body: str, power: int, style: _Style) -> str:
-    if style.tex and graph.code[node][0] in ("sin", "cos"):
-        name = graph.code[node][0]
-        return body.replace(rf"\{name}", rf"\{name}^{{{power}}}", 1)
-    return f"{body}^{{{power}}}" if style.tex else f"{body}^{power}"

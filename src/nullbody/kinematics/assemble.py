@@ -10,7 +10,7 @@ import numpy as np
 from nullbody.errors import AssemblyError, InputError, UnknownName
 from nullbody.kinematics.newton import Closed, close_loops, closed_to
 from nullbody.model import Model, State, vector
-from nullbody.typing import FloatArray
+from nullbody.typing import FloatArray, IndexArray
 
 __all__ = ["assemble", "known_coordinates", "start_coordinates"]
 
@@ -56,7 +56,7 @@ def assemble(
     return model.trusted_state(closed.q, rate)
 
 
-def known_coordinates(model: Model, known: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+def known_coordinates(model: Model, known: Mapping[str, float]) -> tuple[IndexArray, FloatArray]:
     """Indices and values of coordinates given by name.
 
     Raises:
@@ -68,7 +68,9 @@ def known_coordinates(model: Model, known: Mapping[str, float]) -> tuple[FloatAr
         if name not in model.coordinates:
             raise UnknownName("coordinate", name, model.coordinates)
     names = tuple(known)
-    return np.array([model.coordinates.index(name) for name in names], dtype=int), vector(known, names, "coordinate")
+    return np.array([model.coordinates.index(name) for name in names], dtype=np.intp), vector(
+        known, names, "coordinate"
+    )
 
 
 def start_coordinates(model: Model, guess: State | Mapping[str, float] | None) -> FloatArray:
@@ -89,8 +91,8 @@ class _Path:
     """The way of the known coordinates from the guess to the target."""
 
     model: Model
-    fixed: FloatArray
-    free: FloatArray
+    fixed: IndexArray
+    free: IndexArray
     begin: FloatArray
     target: FloatArray
 
@@ -162,9 +164,7 @@ class _Path:
         return Closed(q, residual, closed.steps, closed.moved, converged=residual <= closed_to(q))
 
 
-def _unreachable(
-    model: Model, known: Mapping[str, float], closed: Closed, reach: float, path: _Path
-) -> AssemblyError:
+def _unreachable(model: Model, known: Mapping[str, float], closed: Closed, reach: float, path: _Path) -> AssemblyError:
     Phi = model.residual(closed.q)
     gaps: dict[str, float] = {}
     for label, component in zip(model.labels, Phi, strict=True):

@@ -12,7 +12,7 @@ from nullbody.errors import InputError
 from nullbody.kinematics.assemble import assemble, known_coordinates, start_coordinates
 from nullbody.kinematics.newton import close_loops
 from nullbody.model import Model, State
-from nullbody.typing import FloatArray
+from nullbody.typing import FloatArray, IndexArray
 
 __all__ = ["Branches", "branches", "inverse_kinematics"]
 
@@ -43,9 +43,7 @@ class Branches:
         return self.states[index]
 
 
-def branches(
-    model: Model, known: Mapping[str, float], guess: State | Mapping[str, float] | None = None
-) -> Branches:
+def branches(model: Model, known: Mapping[str, float], guess: State | Mapping[str, float] | None = None) -> Branches:
     """Every assembly for given coordinates, as many as there are degrees of freedom.
 
     Mechanisms of the catalog that have a closed form are solved completely; others by Newton from random starts.
@@ -99,7 +97,9 @@ def inverse_kinematics(
     """
     fixed, values = known_coordinates(model, pose)
     if len(fixed) != len(model.independent):
-        raise InputError(f"a pose of {model.mechanism.name!r} is {len(model.independent)} coordinates, not {len(fixed)}")
+        raise InputError(
+            f"a pose of {model.mechanism.name!r} is {len(model.independent)} coordinates, not {len(fixed)}"
+        )
     closed_form = closed_form_of(model.mechanism.name)
     start = start_coordinates(model, guess)
     candidates = closed_form.inverse(model.parameters, pose) if closed_form else None
@@ -113,7 +113,7 @@ def inverse_kinematics(
     return model.trusted_state(close_loops(model, q, free).q, rest)
 
 
-def _random_starts(model: Model, start: FloatArray, fixed: FloatArray, values: FloatArray) -> list[FloatArray]:
+def _random_starts(model: Model, start: FloatArray, fixed: IndexArray, values: FloatArray) -> list[FloatArray]:
     draw = np.random.default_rng(0)
     angles = np.array([model.mechanism.units[name] == "rad" for name in model.coordinates])
     size = max(1e-3, float(np.abs(start[~angles]).max(initial=0.0)), *(abs(x) for x in values))

@@ -8,7 +8,7 @@ import numpy as np
 
 from nullbody.model import Model
 from nullbody.tolerances import CLOSED, EPS, NEWTON_STEPS
-from nullbody.typing import FloatArray
+from nullbody.typing import FloatArray, IndexArray
 
 __all__ = ["Closed", "close_loops", "closed_to", "project"]
 
@@ -32,7 +32,7 @@ def closed_to(q: FloatArray) -> float:
     return max(CLOSED, 64 * EPS * float(np.abs(q).max(initial=1.0)))
 
 
-def close_loops(model: Model, q: FloatArray, free: FloatArray) -> Closed:
+def close_loops(model: Model, q: FloatArray, free: IndexArray) -> Closed:
     """Solve Phi(q) = 0 for the free coordinates by Newton with least-squares steps.
 
         dq_free = -A_free^+ Phi
@@ -69,14 +69,13 @@ def _newton_step(A: FloatArray, Phi: FloatArray) -> FloatArray:
     """-A^+ Phi: by LU where A is square and regular, by singular values otherwise."""
     if A.shape[0] == A.shape[1]:
         try:
-            change: FloatArray = np.linalg.solve(A, -Phi)
+            change = np.asarray(np.linalg.solve(A, -Phi), dtype=np.float64)
         except np.linalg.LinAlgError:
             pass
         else:
             if np.abs(change).max(initial=0.0) <= _LONGEST_STEP:
                 return change
-    shortest: FloatArray = np.linalg.lstsq(A, -Phi, rcond=_RANK)[0]
-    return shortest
+    return np.asarray(np.linalg.lstsq(A, -Phi, rcond=_RANK)[0], dtype=np.float64)
 
 
 def project(model: Model, q: FloatArray) -> tuple[FloatArray, float]:

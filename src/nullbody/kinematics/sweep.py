@@ -38,4 +38,3 @@ def sweep(
             ) from None
         states.append(here)
     return states
-

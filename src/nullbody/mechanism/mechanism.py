@@ -92,9 +92,7 @@ class Mechanism:
             UnknownName, ParameterError: as `values`.
         """
         self.values(values)
-        changed = tuple(
-            replace(p, default=p.check(values[p.name])) if p.name in values else p for p in self.parameters
-        )
+        changed = tuple(replace(p, default=p.check(values[p.name])) if p.name in values else p for p in self.parameters)
         return replace(self, parameters=changed)
 
     def values(self, given: Mapping[str, object] | None = None) -> dict[str, float]:
@@ -127,9 +125,9 @@ class Mechanism:
         return order
 
     def _check_names(self) -> None:
-        kinds = {
+        kinds: dict[str, list[str]] = {
             "body": [body.name for body in self.bodies],
-            "joint": [joint.name for joint in (*self.joints, *self.loops)],
+            "joint": [joint.name for joint in self.joints] + [loop.name for loop in self.loops],
             "coordinate, parameter or input": [*self.coordinates, *(p.name for p in self.parameters), *self.inputs],
         }
         for kind, names in kinds.items():

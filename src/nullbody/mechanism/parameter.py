@@ -47,7 +47,7 @@ class Parameter:
         number = float(value)
         if not math.isfinite(number):
             raise ParameterError(f"{what} must be finite, not {number}")
-        if self.sign == "positive" and number <= 0 or self.sign == "non-negative" and number < 0:
+        if (self.sign == "positive" and number <= 0) or (self.sign == "non-negative" and number < 0):
             raise ParameterError(f"{what} must be {self.sign}, not {number:g} {self.unit}".rstrip())
         return number
 

@@ -264,7 +264,8 @@ class Model:
                 "digits. Derive with other independent coordinates, or stay away from this configuration"
             )
         raise SingularityError(
-            "the reduced mass matrix is singular here: a motion of the mechanism moves no mass. Check the masses and inertias"
+            "the reduced mass matrix is singular here: a motion of the mechanism moves no mass. "
+            "Check the masses and inertias"
         )
 
     def __repr__(self) -> str:

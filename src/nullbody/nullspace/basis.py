@@ -132,9 +132,7 @@ def _chosen(
     if len(set(chosen)) != len(chosen) or any(not 0 <= j < n for j in chosen):
         raise InputError(f"independent columns must be distinct and in 0..{n - 1}, not {list(chosen)}")
     if len(chosen) != n - rank:
-        raise InputError(
-            f"A has {n} columns and rank {rank}: choose {n - rank} independent columns, not {len(chosen)}"
-        )
+        raise InputError(f"A has {n} columns and rank {rank}: choose {n - rank} independent columns, not {len(chosen)}")
     return chosen
 
 

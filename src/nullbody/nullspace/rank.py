@@ -50,7 +50,9 @@ def echelon(matrix: Matrix, columns: Sequence[int] | None = None) -> Echelon | N
         return None
     order = list(columns) if columns is not None else list(range(len(matrix[0]) if matrix else 0))
     kept: list[list[Any]] = []
-    rows, pivots, redundant = [], [], []
+    rows: list[int] = []
+    pivots: list[int] = []
+    redundant: list[int] = []
     for i, row in enumerate(witnesses):
         work = list(row)
         for pivot, known in zip(pivots, kept, strict=True):

@@ -47,7 +47,7 @@ def tidy(scalar: Any) -> Any:
     Raises:
         InputError: not a number (NaN or infinite), or of no known kind.
     """
-    if isinstance(scalar, bool) or isinstance(scalar, str):
+    if isinstance(scalar, bool | str):
         raise InputError(f"a matrix entry must be a number or an expression, not {scalar!r}")
     if isinstance(scalar, Expr | Fraction):
         return scalar

@@ -126,7 +126,10 @@ class Integration:
 
     def _singular(self, delta: float, spread: float) -> tuple[Outcome, str]:
         names = ", ".join(self.model.independent)
-        return Outcome.SINGULAR_INDEPENDENT_SET, f" (v = rates of {names}, |B| = {delta:.2g}, |N| = {np.sqrt(spread):.2g})"
+        return (
+            Outcome.SINGULAR_INDEPENDENT_SET,
+            f" (v = rates of {names}, |B| = {delta:.2g}, |N| = {np.sqrt(spread):.2g})",
+        )
 
     def _failed(self, y: FloatArray, message: str | None) -> tuple[Outcome, str]:
         """Name a step that could not be made: close to a singularity it is that."""
@@ -142,4 +145,3 @@ class Integration:
         if not spread < SIMULATED_SPREAD:
             outcome, note = self._singular(float(delta), float(spread))
         return Run(np.array([t0]), y0[None, :], (), outcome, note, 1, 0, energy)
-

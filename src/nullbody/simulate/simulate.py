@@ -26,7 +26,6 @@ def simulate(
     t1: float,
     *,
     u: Callable[[float, State], Any] | object = None,
-    t0: float = 0.0,
     rtol: float = 1e-10,
     samples: int | Sequence[float] | FloatArray | None = None,
     throw: bool = True,
@@ -44,20 +43,21 @@ def simulate(
         t1: end time [s].
         u: inputs: a function u(t, x) of time and state, constant values (sequence or by name), or None for
             none. [N, N m]
-        t0: start time [s].
         rtol: relative tolerance of the local error.
         samples: number of evenly spaced samples to store, or their times; the integrator's steps by default.
         throw: raise where the end time is not reached; otherwise `outcome` says why.
         progress: show a progress bar; by default on a terminal when the run takes longer than two seconds.
-        options: `atol` (0.01 rtol), `max_step` [s], `max_steps` (1 000 000).
+        options: start time `t0` (0) [s], `atol` (0.01 rtol), `max_step` [s], `max_steps` (1 000 000).
 
     Raises:
         InputError: wrong times, tolerances or inputs.
         SimulationError: the end was not reached; `.trajectory` holds what was, with its Outcome.
     """
     began = time.perf_counter()
+    settings = _options(options, rtol)
+    t0 = settings.pop("t0")
     _check(model, state, t0, t1, rtol)
-    integration = Integration(model, _input_function(model, u), rtol=rtol, **_options(options, rtol))
+    integration = Integration(model, _input_function(model, u), rtol=rtol, **settings)
     with progress_bar(f"simulating {model.mechanism.name}", t0, t1, progress) as advance:
         run = integration.run(state, t0, t1, advance)
     times = _sample_times(samples, t0, run.knots)
@@ -71,8 +71,8 @@ def simulate(
     return trajectory
 
 
-def _check(model: Model, state: State, t0: float, t1: float, rtol: float) -> None:
-    if not isinstance(state, State) or (state.coordinates, state.independent) != (model.coordinates, model.independent):
+def _check(model: Model, state: object, t0: float, t1: float, rtol: float) -> None:
+    if not isinstance(state, State) or not _same_names(model, state):
         raise InputError("simulate starts from a State of the same model: use model.state(q, v) or assemble(...)")
     if not (np.isfinite(t0) and np.isfinite(t1) and t1 > t0):
         raise InputError(f"the end time t1 = {t1} must be finite and after the start t0 = {t0}")
@@ -80,12 +80,16 @@ def _check(model: Model, state: State, t0: float, t1: float, rtol: float) -> Non
         raise InputError(f"rtol = {rtol} must be within {_TIGHTEST}..0.1")
 
 
+def _same_names(model: Model, state: State) -> bool:
+    return (state.coordinates, state.independent) == (model.coordinates, model.independent)
+
+
 def _options(options: dict[str, Any], rtol: float) -> dict[str, Any]:
-    known = {"atol": 0.01 * rtol, "max_step": np.inf, "max_steps": 1_000_000}
+    known = {"t0": 0.0, "atol": 0.01 * rtol, "max_step": np.inf, "max_steps": 1_000_000}
     for name, value in options.items():
         if name not in known:
             raise TypeError(f"simulate has no option {name!r}; known: {', '.join(known)}")
-        if not value > 0:
+        if name != "t0" and not value > 0:
             raise InputError(f"{name} must be positive, not {value}")
     return {**known, **options}
 
@@ -105,7 +109,13 @@ def _sample_times(samples: int | Sequence[float] | FloatArray | None, t0: float,
             raise InputError(f"at least 2 samples are needed, not {samples}")
         return np.linspace(t0, knots[-1], samples)
     times = np.asarray(samples, dtype=np.float64)
-    if times.ndim != 1 or not len(times) or not np.isfinite(times).all() or (np.diff(times) <= 0).any() or times[0] < t0:
+    if (
+        times.ndim != 1
+        or not len(times)
+        or not np.isfinite(times).all()
+        or (np.diff(times) <= 0).any()
+        or times[0] < t0
+    ):
         raise InputError(f"sample times must increase from t0 = {t0:g} s on")
     return times[times <= knots[-1]]
 
