@@ -12,6 +12,7 @@ from nullbody.errors import InputError
 __all__ = ["Exact", "prime_factors"]
 
 _LARGEST_TRIAL = 10_000
+_LARGEST_PRIME = 1000  # of a radicand: larger numbers are not factored
 _BITS = 160  # binary digits kept of a square root when a constant is rounded to double
 
 
@@ -30,14 +31,20 @@ def prime_factors(number: int) -> list[int]:
 
 
 def _squarefree(number: int) -> tuple[int, int]:
-    """Integers (r, k) with number = r^2 k and k free of squares."""
-    root, rest = 1, 1
-    for factor in prime_factors(number):
-        if rest % factor == 0:
-            root, rest = root * factor, rest // factor
-        else:
-            rest *= factor
-    return root, rest
+    """Integers (r, k) with number = r^2 k, k free of squares and made of primes up to `_LARGEST_PRIME`.
+
+    Raises:
+        InputError: there is no such k.
+    """
+    root, rest, left = 1, 1, number
+    for prime in range(2, _LARGEST_PRIME + 1):
+        while left % (prime * prime) == 0:
+            root, left = root * prime, left // (prime * prime)
+        if left % prime == 0:
+            rest, left = rest * prime, left // prime
+    if isqrt(left) ** 2 != left:
+        raise InputError(f"sqrt({number}) is not kept exactly: a prime factor is above {_LARGEST_PRIME}")
+    return root * isqrt(left), rest
 
 
 @dataclass(frozen=True)
@@ -71,7 +78,11 @@ class Exact:
 
     @classmethod
     def square_root(cls, number: int | Fraction) -> Exact:
-        """sqrt(number) for a number >= 0."""
+        """sqrt(number) for a number >= 0.
+
+        Raises:
+            InputError: the number is negative, or its square root has a prime above 1000 below the root.
+        """
         ratio = Fraction(number)
         if ratio < 0:
             raise InputError(f"the square root of {ratio} is not real")

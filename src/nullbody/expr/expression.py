@@ -7,11 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 from nullbody.errors import InputError
 from nullbody.expr.exact import Exact
+from nullbody.expr.graph import ONE, ZERO
 
 if TYPE_CHECKING:
     from nullbody.expr.graph import Graph
 
 __all__ = ["Expr", "cos", "sin", "sqrt"]
+
+
+_SMALL = {0: ZERO, 1: ONE, -1: ONE ^ 1}  # references of the commonest constants, the same in every graph
 
 
 class Expr:
@@ -31,6 +35,8 @@ class Expr:
             if other.graph is not self.graph:
                 raise InputError("two expressions of different graphs cannot be combined")
             return other.ref
+        if isinstance(other, int) and -1 <= other <= 1:
+            return _SMALL[other]
         if isinstance(other, int | float | Fraction | Exact):
             return self.graph.constant_ref(Exact.of(other))
         return -1
@@ -85,6 +91,8 @@ class Expr:
     def __eq__(self, other: object) -> bool:
         if isinstance(other, Expr):
             return self.graph is other.graph and self.ref == other.ref
+        if isinstance(other, int) and -1 <= other <= 1:
+            return self.ref == _SMALL[other]
         if isinstance(other, int | float | Fraction | Exact):
             return self.constant == Exact.of(other)
         return NotImplemented

@@ -50,8 +50,9 @@ class Field:
         if radicand not in self._roots:
             root = 1
             for factor in prime_factors(radicand):
-                power = pow(factor, (p + 1) // 4, p)
-                if power * power % p != factor % p:  # no square here: an independent number stands in
+                if all(pow(factor, (prime - 1) // 2, prime) == 1 for prime in PRIMES):
+                    power = pow(factor, (p + 1) // 4, p)
+                else:  # no square at every prime, and all must merge alike: an independent number stands in
                     power = self.random(f"sqrt {factor}")
                 root = root * power % p
             self._roots[radicand] = root

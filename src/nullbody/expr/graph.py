@@ -12,6 +12,7 @@ Nodes are only ever appended, and a node's operands precede it: node order is an
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -101,6 +102,20 @@ class Graph:
         """The value of a reference at the random point of the prime field."""
         return self._witness.of_ref(ref)
 
+    @property
+    def prime(self) -> int:
+        """The prime of the field in which `value` lives."""
+        return self._witness.field.prime
+
+    def residue(self, number: Exact) -> int:
+        """An exact constant in that field."""
+        return self._witness.field.constant(number)
+
+    def find(self, value: int, symbols: int) -> int | None:
+        """A reference with this value that needs no symbol outside a set (a bit mask), or None."""
+        ref = self._by_value.get(value)
+        return None if ref is None or self.depends[ref >> 1] & ~symbols else ref
+
     # -- operations on references ---------------------------------------------------------------------------
 
     def negate(self, a: int) -> int:
@@ -170,13 +185,14 @@ class Graph:
         return ONE if a == ZERO else self._node("cos", a & ~1, 0)
 
     def square_root(self, a: int) -> int:
-        """sqrt a, exact for rational constants."""
+        """sqrt a, exact for rational constants of small prime factors."""
         number = self.constant_of(a)
         if number is not None:
             if number.negative:
                 raise InputError(f"the square root of {number} is not real")
             if number.fraction is not None:
-                return self.constant_ref(Exact.square_root(number.fraction))
+                with suppress(InputError):  # a radicand too large to be factored stays a node
+                    return self.constant_ref(Exact.square_root(number.fraction))
         return self._node("sqrt", a, 0)
 
     # -- bookkeeping ----------------------------------------------------------------------------------------

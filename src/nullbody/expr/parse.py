@@ -21,11 +21,11 @@ from nullbody.errors import ExpressionError, UnknownName
 
 __all__ = ["FLOAT_FUNCTIONS", "names_in", "parse"]
 
-_TOKEN = re.compile(r"\s*(?:(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)|([A-Za-z_]\w*)|(\*\*|[-+*/^()]))")
+_TOKEN = re.compile(r"\s*(?:(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)|([A-Za-z_]\w*)|(\*\*|[-+*/^()]))", re.ASCII)
 _Token = tuple[str, str, int]
 _LONGEST = 500  # characters
 _DEEPEST = 40  # nested parentheses and signs
-_LARGEST_EXPONENT = 64
+_LARGEST_EXPONENT = 64  # of nested powers together: exact numbers would grow without limit
 
 #: The functions of the grammar on doubles.
 FLOAT_FUNCTIONS: Mapping[str, Callable[[Any], Any]] = {"sqrt": math.sqrt, "sin": math.sin, "cos": math.cos}
@@ -53,7 +53,10 @@ def parse(
     if not isinstance(source, str):
         if isinstance(source, float) and not math.isfinite(source):
             raise ExpressionError(f"a number must be finite, not {source}")
-        return constant(Fraction(repr(source)) if isinstance(source, float) else Fraction(source))
+        try:
+            return constant(Fraction(repr(float(source))) if isinstance(source, float) else Fraction(source))
+        except OverflowError:
+            raise ExpressionError("a number must lie in the range of doubles, about 1e308") from None
     return _Parser(source, name, constant, functions).whole()
 
 
@@ -61,13 +64,26 @@ def names_in(source: str | int | float | Fraction) -> frozenset[str]:
     """The parameter names that an expression uses."""
     names: set[str] = set()
 
-    def collect(name: str) -> float:
+    def collect(name: str) -> _Unknown:
         names.add(name)
-        return 1.0
+        return _Unknown()
 
-    one = {key: lambda _: 1.0 for key in FLOAT_FUNCTIONS}
-    _Parser(source, collect, lambda _: 1.0, one).whole() if isinstance(source, str) else None
+    functions = {key: lambda _: _Unknown() for key in FLOAT_FUNCTIONS}
+    if isinstance(source, str):
+        _Parser(source, collect, lambda number: number, functions).whole()
     return frozenset(names)
+
+
+class _Unknown:
+    """A number that is not known yet: what is made of it is not known either."""
+
+    def _combined(self, _: object) -> _Unknown:
+        return self
+
+    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = _combined
+
+    def __neg__(self) -> _Unknown:
+        return self
 
 
 class _Parser:
@@ -86,6 +102,7 @@ class _Parser:
         self.tokens = self._tokens()
         self.next = 0
         self.depth = 0
+        self.degree = 1  # the largest exponent of what was read last, nested powers multiplied
 
     def _tokens(self) -> list[_Token]:
         tokens: list[_Token] = []
@@ -117,7 +134,11 @@ class _Parser:
     def whole(self) -> Any:
         value = self._sum()
         kind, word, place = self.tokens[self.next]
-        return value if kind == "end" else self._fail(f"unexpected {word!r}", place)
+        if kind != "end":
+            self._fail(f"unexpected {word!r}", place)
+        if isinstance(value, float) and not math.isfinite(value):
+            self._fail(f"the value is not finite ({value})", 0)
+        return value
 
     def _sum(self) -> Any:
         value = self._product()
@@ -147,16 +168,21 @@ class _Parser:
         return value
 
     def _power(self) -> Any:
+        outside, self.degree = self.degree, 1
         value = self._atom()
         if not self._take("^", "**"):
+            self.degree = max(outside, self.degree)
             return value
         negative = self._take("-") is not None
         kind, word, place = self.tokens[self.next]
-        if kind != "number" or not word.isdigit() or int(word) > _LARGEST_EXPONENT:
-            self._fail(f"an exponent is an integer of at most {_LARGEST_EXPONENT}", place)
+        exponent = int(word) if kind == "number" and word.isdigit() else _LARGEST_EXPONENT + 1
+        self.degree *= max(exponent, 1)
+        if self.degree > _LARGEST_EXPONENT:
+            self._fail(f"an exponent, those of nested powers multiplied, is an integer of at most {_LARGEST_EXPONENT}", place)
+        self.degree = max(outside, self.degree)
         self.next += 1
         result = self.constant(Fraction(1))
-        for _ in range(int(word)):
+        for _ in range(exponent):
             result = result * value
         try:
             return 1 / result if negative else result
@@ -167,7 +193,7 @@ class _Parser:
         kind, word, place = self.tokens[self.next]
         self.next += 1
         if kind == "number":
-            return self.constant(Fraction(word))
+            return self._number(word, place)
         if kind == "name" and word == "pi":
             return self.constant(Fraction(math.pi))
         if kind == "name" and word in self.functions:
@@ -182,6 +208,14 @@ class _Parser:
         if kind == "sign" and word == "(":
             return self._closed()
         return self._fail("the expression ends too early" if kind == "end" else f"unexpected {word!r}", place)
+
+    def _number(self, word: str, place: int) -> Any:
+        """A number in the range of doubles: 1e999999999 would take all memory as a fraction."""
+        size = float(word)
+        vanishes = not any(digit in "123456789" for digit in word.lower().partition("e")[0])
+        if math.isinf(size) or (size == 0 and not vanishes):
+            self._fail("a number outside the range of doubles", place)
+        return self.constant(Fraction(0) if vanishes else Fraction(word))
 
     def _call(self, function: str, place: int) -> Any:
         argument = self._closed()

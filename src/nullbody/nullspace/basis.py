@@ -17,9 +17,10 @@ from typing import Any
 
 from nullbody.errors import InputError, SingularityError
 from nullbody.expr import Expr, Operations, operations
-from nullbody.expr.matrix import Matrix, transpose
+from nullbody.expr.matrix import Matrix
 from nullbody.nullspace.elimination import Elimination, eliminate
 from nullbody.nullspace.rank import Echelon, echelon
+from nullbody.nullspace.rows import RowStep, simplified_rows
 from nullbody.nullspace.scalar import is_zero, tidy
 
 __all__ = ["NullSpace", "null_space"]
@@ -77,8 +78,8 @@ class NullSpace:
     def _assembled(self, columns: list[list[Any]], unit: Any) -> tuple[tuple[Any, ...], ...]:
         n = len(self.dependent) + len(self.independent)
         rows: list[tuple[Any, ...]] = [()] * n
-        for place, row in zip(self.dependent, transpose(columns), strict=True):
-            rows[place] = tuple(-entry for entry in row)
+        for i, place in enumerate(self.dependent):
+            rows[place] = tuple(-column[i] for column in columns)
         for k, place in enumerate(self.independent):
             rows[place] = tuple(unit if k == j else 0 for j in range(len(self.independent)))
         return tuple(rows)
@@ -105,16 +106,24 @@ def null_space(A: Matrix, independent: Sequence[int] | None = None) -> NullSpace
         InputError: ragged or empty A, entries that are no finite numbers, wrong columns.
         SingularityError: the chosen columns leave |B| = 0; the message names columns that would do.
     """
-    rows = [[tidy(entry) for entry in row] for row in A]
+    try:
+        rows = [list(row) for row in A]
+    except TypeError:
+        raise InputError("A must be a list of rows of scalars") from None
     if not rows or not rows[0] or any(len(row) != len(rows[0]) for row in rows):
         raise InputError("A must be a non-empty list of rows of equal length")
+    rows = [[tidy(entry) for entry in row] for row in rows]
     n = len(rows[0])
     found = echelon(rows)
     rank = found.rank if found else len(rows)
     chosen = _chosen(independent, n, rank, found, rows)
     dependent = tuple(j for j in range(n) if j not in chosen)
     kept = found.rows if found else tuple(range(len(rows)))
-    factors = eliminate([[rows[i][j] for j in dependent] for i in kept])
+    used = [rows[i] for i in kept]
+    steps: list[RowStep] = []
+    if all(isinstance(entry, Expr) for row in used for entry in row):
+        used, steps = simplified_rows(used)
+    factors = eliminate([[row[j] for j in dependent] for row in used], steps)
     if is_zero(factors.delta):
         raise SingularityError(_singular_message(rows, chosen, n))
     free = tuple(tuple(rows[i][j] for i in kept) for j in chosen)
@@ -129,7 +138,7 @@ def _chosen(
             return tuple(range(rank, n))
         return tuple(j for j in range(n) if j not in found.columns)
     chosen = tuple(independent)
-    if len(set(chosen)) != len(chosen) or any(not 0 <= j < n for j in chosen):
+    if len(set(chosen)) != len(chosen) or any(j not in range(n) for j in chosen):
         raise InputError(f"independent columns must be distinct and in 0..{n - 1}, not {list(chosen)}")
     if len(chosen) != n - rank:
         raise InputError(f"A has {n} columns and rank {rank}: choose {n - rank} independent columns, not {len(chosen)}")

@@ -12,6 +12,7 @@ from typing import Any
 
 from nullbody.expr.matrix import Matrix, dot, total
 from nullbody.nullspace.minors import adjugate, parity
+from nullbody.nullspace.rows import RowStep
 from nullbody.nullspace.scalar import is_constant, is_zero, reciprocal
 from nullbody.nullspace.structure import block_triangular
 
@@ -138,28 +139,34 @@ class Elimination:
         return -dot([self._matrix[pivot.row][c] for c in core], [x[c] for c in core])
 
 
-def eliminate(matrix: Matrix) -> Elimination:
-    """Factor a square matrix; `delta` is 0 where it is structurally singular or found to be singular."""
+def eliminate(matrix: Matrix, steps: Sequence[RowStep] = ()) -> Elimination:
+    """Factor a square matrix; `delta` is 0 where it is structurally singular or found to be singular.
+
+    Args:
+        matrix: the matrix B, after `steps`.
+        steps: constant row operations that right-hand sides have still to go through.
+    """
     n = len(matrix)
     work = [list(row) for row in matrix]
-    pivots, steps = _constant_pivots(work)
+    pivots, own = _constant_pivots(work)
+    steps = (*steps, *own)
     rows = [i for i in range(n) if all(i != p.row for p in pivots)]
     columns = [j for j in range(n) if all(j != p.column for p in pivots)]
     pattern = [[k for k, j in enumerate(columns) if not is_zero(work[i][j])] for i in rows]
     found = block_triangular(pattern)
     frozen = tuple(tuple(row) for row in work)
     if found is None:
-        return Elimination(0, tuple(pivots), (), frozen, tuple(steps))
+        return Elimination(0, tuple(pivots), (), frozen, steps)
     blocks = []
     for block_rows, block_columns in found:
         r, c = [rows[k] for k in block_rows], [columns[k] for k in block_columns]
         adj, delta = adjugate([[work[i][j] for j in c] for i in r])
         blocks.append(_Block(tuple(r), tuple(c), tuple(tuple(row) for row in adj), delta))
-    result = Elimination(0, tuple(pivots), tuple(blocks), frozen, tuple(steps))
+    result = Elimination(0, tuple(pivots), tuple(blocks), frozen, steps)
     delta = result._constant
     for block in blocks:
         delta = 0 if is_zero(block.delta) else block.delta * delta
-    return Elimination(delta, tuple(pivots), tuple(blocks), frozen, tuple(steps))
+    return Elimination(delta, tuple(pivots), tuple(blocks), frozen, steps)
 
 
 def _constant_pivots(work: list[list[Any]]) -> tuple[list[_Pivot], list[tuple[int, int, Any]]]:

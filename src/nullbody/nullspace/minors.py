@@ -75,7 +75,7 @@ def _expanded(smaller: dict[int, Any], column: list[Any], exponent: Any) -> dict
         for r, entry in enumerate(column):
             if rows >> r & 1 or is_zero(entry):
                 continue
-            product = entry if isinstance(minor, int) else entry * minor
+            product = entry * minor if rows else entry
             odd = exponent((rows & ((1 << r) - 1)).bit_count()) % 2
             terms.setdefault(rows | 1 << r, []).append(-product if odd else product)
     summed = {rows: total(parts) for rows, parts in sorted(terms.items())}
@@ -92,6 +92,6 @@ def _cofactor(before: dict[int, Any], after: dict[int, Any], n: int, row: int, c
             continue
         places = [(rest & ((1 << r) - 1)).bit_count() for r in range(n) if rows >> r & 1]
         odd = (sum(places) - column * (column - 1) // 2 + row + column) % 2
-        product = right if isinstance(left, int) else left if isinstance(right, int) else left * right
+        product = right if not rows else left if rows == rest else left * right
         terms.append(-product if odd else product)
     return total(terms)

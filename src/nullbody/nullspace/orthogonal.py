@@ -41,4 +41,4 @@ def orthogonal_basis(
         columns.append([row[0] for row in basis])
         rows.append(columns[-1])
         free.pop(0)
-    return tuple(zip(*columns, strict=True))
+    return tuple(zip(*columns, strict=True)) if columns else first.basis

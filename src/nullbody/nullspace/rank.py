@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from nullbody.expr import Expr
+from nullbody.expr import Exact, Expr
 from nullbody.expr.matrix import Matrix
 from nullbody.nullspace.scalar import exact_rational
 
@@ -44,7 +44,7 @@ def echelon(matrix: Matrix, columns: Sequence[int] | None = None) -> Echelon | N
     Returns:
         None where the scalars have no exact witness (floats, SymPy expressions).
     """
-    prime = next((e.graph._witness.field.prime for row in matrix for e in row if isinstance(e, Expr)), None)
+    prime = next((e.graph.prime for row in matrix for e in row if isinstance(e, Expr)), None)
     witnesses = [[_witness(entry) for entry in row] for row in matrix]
     if any(entry is None for row in witnesses for entry in row):
         return None

@@ -54,6 +54,8 @@ def tidy(scalar: Any) -> Any:
     if isinstance(scalar, int):
         return Fraction(scalar)
     if hasattr(scalar, "free_symbols"):  # SymPy
+        if scalar.is_number and not scalar.is_finite:
+            raise InputError(f"a matrix entry must be finite, not {scalar}")
         return scalar
     if hasattr(scalar, "item"):  # NumPy
         scalar = scalar.item()
