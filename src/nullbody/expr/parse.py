@@ -21,7 +21,9 @@ from nullbody.errors import ExpressionError, UnknownName
 
 __all__ = ["FLOAT_FUNCTIONS", "names_in", "parse"]
 
-_TOKEN = re.compile(r"\s*(?:(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)|([A-Za-z_]\w*)|(\*\*|[-+*/^()]))", re.ASCII)
+_TOKEN = re.compile(
+    r"\s*(?:(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)|([A-Za-z_]\w*)|(\*\*|[-+*/^()]))", re.ASCII
+)
 _Token = tuple[str, str, int]
 _LONGEST = 500  # characters
 _DEEPEST = 40  # nested parentheses and signs
@@ -178,7 +180,9 @@ class _Parser:
         exponent = int(word) if kind == "number" and word.isdigit() else _LARGEST_EXPONENT + 1
         self.degree *= max(exponent, 1)
         if self.degree > _LARGEST_EXPONENT:
-            self._fail(f"an exponent, those of nested powers multiplied, is an integer of at most {_LARGEST_EXPONENT}", place)
+            self._fail(
+                f"an exponent, those of nested powers multiplied, is an integer of at most {_LARGEST_EXPONENT}", place
+            )
         self.degree = max(outside, self.degree)
         self.next += 1
         result = self.constant(Fraction(1))

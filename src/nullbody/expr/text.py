@@ -50,7 +50,7 @@ class _Style:
         """A positive constant; in LaTeX sqrt(3)/2 is a small fraction."""
         if not self.tex:
             return str(number)
-        terms = [_tex_term(k, part) for k, part in number.terms]
+        terms = [_tex_term(k, part) for k, part in number.terms] or ["0"]
         return terms[0] + "".join(f" - {t[1:]}" if t.startswith("-") else f" + {t}" for t in terms[1:])
 
 
@@ -103,20 +103,34 @@ def _tex_term(radicand: int, part: Fraction) -> str:
     return sign + (above if part.denominator == 1 else rf"\tfrac{{{above}}}{{{part.denominator}}}")
 
 
+@dataclass(frozen=True)
+class _Product:
+    """constant * product of nodes above / product of nodes below, each node with its power."""
+
+    constant: Exact
+    above: dict[int, int]
+    below: dict[int, int]
+
+    @property
+    def key(self) -> tuple[frozenset[tuple[int, int]], frozenset[tuple[int, int]]]:
+        """Equal for like terms."""
+        return frozenset(self.above.items()), frozenset(self.below.items())
+
+
 def _write(graph: Graph, ref: int, names: Mapping[int, str], style: _Style) -> tuple[str, int]:
     """(text, rank of its outermost operation) of a reference."""
     node, negative = ref >> 1, ref & 1
     if node in names:
         return _negated(names[node], _ATOM, negative)
-    op, a, b = graph.code[node]
+    op, a, _ = graph.code[node]
     if op == "symbol":
         return _negated(style.symbol(graph.symbols[a]), _ATOM, negative)
     if op == "const":
         return _constant(graph.constants[a], negative, style)
     if op in ("add", "sub"):
-        return _sum(graph, node, negative, names, style), _SUM
+        return _sum(graph, ref, names, style)
     if op in ("mul", "inv"):
-        return _negated(_product(graph, node, names, style), _PRODUCT, negative)
+        return _negated(_factored(graph, _product(graph, node, names), names, style), _PRODUCT, negative)
     return _negated(style.function(op, _write(graph, a, names, style)[0]), _ATOM, negative)
 
 
@@ -124,35 +138,47 @@ def _constant(number: Exact, negative: int, style: _Style) -> tuple[str, int]:
     body = style.constant(number)
     if len(number.terms) > 1:
         return (f"-{style.fenced(body)}" if negative else body), _SUM
-    return _negated(
-        body, _ATOM if number.fraction is not None and number.fraction.denominator == 1 else _PRODUCT, negative
-    )
+    whole = number.fraction is not None and number.fraction.denominator == 1
+    return _negated(body, _ATOM if whole else _PRODUCT, negative)
 
 
 def _negated(body: str, rank: int, negative: int) -> tuple[str, int]:
     return (f"-{body}", _SUM) if negative else (body, rank)
 
 
-def _sum(graph: Graph, node: int, negative: int, names: Mapping[int, str], style: _Style) -> str:
-    """Flatten nested sums into one list of signed terms, positive ones first."""
-    terms: list[int] = []
-    stack = [2 * node | negative]
+def _sum(graph: Graph, ref: int, names: Mapping[int, str], style: _Style) -> tuple[str, int]:
+    """Flatten nested sums, add up like terms, positive and short ones first."""
+    terms: dict[object, _Product] = {}
+    stack = [ref]
     while stack:
-        ref = stack.pop()
-        op, a, b = graph.code[ref >> 1]
-        if op in ("add", "sub") and (ref >> 1 == node or ref >> 1 not in names):
-            sign = ref & 1
-            stack.append(b ^ sign ^ (op == "sub"))
-            stack.append(a ^ sign)
-        else:
-            terms.append(ref)
-    terms.sort(key=lambda ref: ref & 1)
-    written = [_write(graph, ref, names, style)[0] for ref in terms]
-    return written[0] + "".join(f" - {w[1:]}" if w.startswith("-") else f" + {w}" for w in written[1:])
+        current = stack.pop()
+        op, a, b = graph.code[current >> 1]
+        if op in ("add", "sub") and (current >> 1 == ref >> 1 or current >> 1 not in names):
+            sign = current & 1
+            stack += [a ^ sign, b ^ sign ^ (op == "sub")]
+            continue
+        part = _product(graph, current >> 1, names)
+        constant = -part.constant if current & 1 else part.constant
+        if part.key in terms:
+            constant = constant + terms[part.key].constant
+        terms[part.key] = _Product(constant, part.above, part.below)
+    signed = []
+    for part in terms.values():
+        if part.constant.terms:
+            size = -part.constant if part.constant.negative else part.constant
+            body = _factored(graph, _Product(size, part.above, part.below), names, style)
+            signed.append((part.constant.negative, len(body), body))
+    if not signed:
+        return "0", _ATOM
+    signed.sort()
+    if len(signed) == 1:
+        return _negated(signed[0][2], _PRODUCT, int(signed[0][0]))
+    first = ("-" if signed[0][0] else "") + signed[0][2]
+    return first + "".join(f" {'-' if negative else '+'} {body}" for negative, _, body in signed[1:]), _SUM
 
 
-def _product(graph: Graph, node: int, names: Mapping[int, str], style: _Style) -> str:
-    """Flatten nested products: the constant first, then symbols, then the rest, reciprocals below."""
+def _product(graph: Graph, node: int, names: Mapping[int, str]) -> _Product:
+    """Flatten nested products and reciprocals."""
     constant = Exact.of(1)
     above: dict[int, int] = {}
     below: dict[int, int] = {}
@@ -168,25 +194,40 @@ def _product(graph: Graph, node: int, names: Mapping[int, str], style: _Style) -
             constant = constant * (graph.constants[a] if here is above else graph.constants[a].inverse())
         else:
             here[current] = here.get(current, 0) + 1
-    factors = _factors(graph, above, names, style)
-    if constant != Exact.of(1) or not factors:
-        body, rank = _constant(constant, 0, style)
+    return _Product(constant, above, below)
+
+
+def _factored(graph: Graph, product: _Product, names: Mapping[int, str], style: _Style) -> str:
+    """A product as written: the constant first, then symbols, then the rest, reciprocals below."""
+    factors = _factors(graph, product.above, names, style)
+    if product.constant != Exact.of(1) or not factors:
+        body, rank = _constant(product.constant, 0, style)
         factors.insert(0, style.fenced(body) if rank == _SUM else body)
     written = style.times(factors)
-    return style.quotient(written, style.times(_factors(graph, below, names, style))) if below else written
+    if not product.below:
+        return written
+    return style.quotient(written, style.times(_factors(graph, product.below, names, style)))
 
 
 def _factors(graph: Graph, counts: Mapping[int, int], names: Mapping[int, str], style: _Style) -> list[str]:
-    """The factors as powers, simple ones first."""
-    order = {"symbol": 0, "sin": 2, "cos": 2, "sqrt": 2, "add": 3, "sub": 3}
+    """The factors as powers: symbols by name, named parts, functions, sums."""
+
+    def place(node: int) -> tuple[int, str, int]:
+        op, a, _ = graph.code[node]
+        if node in names:
+            return 1, "", node
+        if op == "symbol":
+            return 0, graph.symbols[a].lower(), node
+        return 3 if op in ("add", "sub") else 2, "", node
+
     factors = []
-    for part in sorted(counts, key=lambda n: (1 if n in names else order.get(graph.code[n][0], 2), n)):
+    for part in sorted(counts, key=place):
         body, rank = _write(graph, 2 * part, names, style)
         power = counts[part]
         if style.tex and power > 1 and part not in names and graph.code[part][0] in ("sin", "cos"):
             name = graph.code[part][0]
             factors.append(body.replace(rf"\{name}", rf"\{name}^{{{power}}}", 1))
             continue
-        body = style.fenced(body) if rank == _SUM else body
+        body = style.fenced(body) if rank == _SUM or (power > 1 and rank == _PRODUCT) else body
         factors.append(body if power == 1 else style.power(body, power))
     return factors
