@@ -59,7 +59,8 @@ class UnknownName(InputError):
 
     def __init__(self, kind: str, name: object, known: Iterable[str]) -> None:
         names = list(known)
-        near = get_close_matches(str(name), names, n=1, cutoff=0.5)
+        near = [candidate for candidate in names if candidate.lower() == str(name).lower()]
+        near = near or get_close_matches(str(name), names, n=1, cutoff=0.5)
         hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(names) or 'none'}"
         super().__init__(f"there is no {kind} {name!r}; {hint}")
         self.name = name

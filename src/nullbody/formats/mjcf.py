@@ -131,17 +131,17 @@ class _Writer:
         for joint in reversed(chain):
             moves = [(step, back) for step in steps(joint)] + moves
             back = back @ frame(joint.at, self.values).inverse()
-        element = SubElement(parent, "body", name=name, **_place(back.inverse()))
+        element = SubElement(parent, "body", {"name": name, **_place(back.inverse())})
         for step, seen in moves:
-            place = {"axis": _text(seen.rotation @ step.axis)}
+            joint_element = SubElement(element, "joint", name=step.coordinate, type=step.kind)
+            joint_element.set("axis", _text(seen.rotation @ step.axis))
             if seen.position.any():
-                place["pos"] = _text(seen.position)
-            SubElement(element, "joint", name=step.coordinate, type=step.kind, **place)
+                joint_element.set("pos", _text(seen.position))
         self._inertial(element, name)
         return element
 
     def _inertial(self, element: Element, name: str) -> None:
-        """Mass and principal moments: MuJoCo takes these as they are, a full matrix only if safely definite."""
+        """Mass and principal moments, which MuJoCo takes as they are; a full matrix it wants to be definite."""
         body = next(body for body in self.mechanism.bodies if body.name == name)
         mass, centre, inertia = mass_properties(body, self.values)
         axes = np.eye(3)
@@ -149,11 +149,9 @@ class _Writer:
         if np.count_nonzero(inertia - np.diag(moments)):
             moments, axes = np.linalg.eigh(inertia)
             axes = axes * np.linalg.det(axes).round()
-        place = _place(RigidFrame(axes, centre))
-        moments = _text(np.maximum(moments, _SMALLEST))
-        SubElement(
-            element, "inertial", {"pos": "0 0 0", **place, "mass": repr(max(mass, _SMALLEST)), "diaginertia": moments}
-        )
+        inertial = SubElement(element, "inertial", {"pos": "0 0 0", **_place(RigidFrame(axes, centre))})
+        inertial.set("mass", _text([max(mass, _SMALLEST)]))
+        inertial.set("diaginertia", _text(np.maximum(moments, _SMALLEST)))
 
 
 def _place(at: RigidFrame) -> dict[str, str]:

@@ -17,7 +17,7 @@ from nullbody.verify.full_coordinates import MultiplierEngine
 from nullbody.verify.mujoco_engine import MujocoEngine
 from nullbody.verify.pinocchio_engine import PinocchioEngine
 from nullbody.verify.sample import admissible_states, typical_length
-from nullbody.verify.verification import QUANTITIES, Discrepancy, EngineResult, Verification
+from nullbody.verify.verification import Discrepancy, EngineResult, Verification
 
 __all__ = ["compare"]
 
@@ -64,22 +64,21 @@ def compare(
         raise InputError(f"missing must be 'raise' or 'skip', not {missing!r}")
     made = [_engine(model, engine, missing) for engine in ([engines] if isinstance(engines, str) else engines)]
     sampled = admissible_states(model, states, seed)
+    total = states * sum(isinstance(engine, AbstractEngine) for engine in made)
     drawn = np.random.default_rng([seed, 1]).normal(size=(states, len(model.inputs))) * _input_scale(model)
     tick = progress or (lambda done, total: None)
-    total = states * sum(isinstance(engine, AbstractEngine) for engine in made)
     ticks = iter(range(1, total + 1))
     results = []
     for engine in made:
         if isinstance(engine, EngineResult):
             results.append(engine)
             continue
-        seen: dict[str, list[_Seen]] = {name: [] for name in QUANTITIES}
+        seen = []
         for state, u in zip(sampled, drawn, strict=True):
-            for name, pair in _both(model, engine, state, u).items():
-                seen[name].append(pair)
+            seen.append(_both(model, engine, state, u))
             tick(next(ticks), total)
-        found = {name: _discrepancy(pairs, sampled) for name, pairs in seen.items() if pairs}
-        results.append(EngineResult(engine.name, engine.version, **found))
+        found = {name: _discrepancy([pairs[name] for pairs in seen], sampled) for name in seen[0]}
+        results.append(EngineResult(engine.name, engine.version, found))
     return Verification(
         mechanism=model.mechanism.name,
         parameters=model.parameters,
@@ -112,6 +111,8 @@ class _Seen:
 
 def _engine(model: Model, engine: str | AbstractEngine, missing: str) -> AbstractEngine | EngineResult:
     if isinstance(engine, AbstractEngine):
+        if engine.labels != model.labels:
+            raise InputError(f"engine {engine.name!r} was made for other closures than the model's {model.labels}")
         return engine
     if engine not in _ENGINES:
         raise UnknownName("engine", engine, _ENGINES)

@@ -49,19 +49,30 @@ class AbstractEngine(ABC):
         """(u, lambda) for given accelerations."""
 
 
-def load(library: str, package: str) -> ModuleType:
+def load(library: str, package: str, oldest: str) -> ModuleType:
     """Import an engine.
 
     Raises:
-        VerificationError: it is not installed; the message says how to.
+        VerificationError: it is not installed, or too old to be right; the message says what to install.
     """
+    command = f'python -m pip install "{package}>={oldest}"'
+    advice = f"{command} (or nullbody[verify] for all engines), or compare with missing='skip'"
     try:
-        return import_module(library)
+        engine = import_module(library)
     except ImportError as error:
         raise VerificationError(
-            f"the engine {library!r} cannot be imported ({error}). Install it with: python -m pip install {package} "
-            "(or nullbody[verify] for all engines), or compare with missing='skip'"
+            f"the engine {library!r} cannot be imported ({error}). Install it with: {advice}"
         ) from error
+    version = str(engine.__version__)
+    if _numbers(version) < _numbers(oldest):
+        raise VerificationError(
+            f"{library} {version} is older than {oldest}, the first that is right here. Update it: {advice}"
+        )
+    return engine
+
+
+def _numbers(version: str) -> tuple[int, ...]:
+    return tuple(int(part) for part in version.split(".")[:3] if part.isdecimal())
 
 
 def kept_rows(mechanism: Mechanism, labels: Sequence[str]) -> IndexArray:

@@ -24,7 +24,7 @@ from nullbody.typing import FloatArray
 from nullbody.verify.engine import AbstractEngine, Terms, input_matrix, kept_rows
 from nullbody.verify.kkt import accelerations, forces
 
-__all__ = ["MultiplierEngine", "Taylor"]
+__all__ = ["MultiplierEngine", "Taylor", "cosine", "sine"]
 
 
 class Taylor:
@@ -68,13 +68,13 @@ def _taylor(value: Any) -> Taylor:
     return value if isinstance(value, Taylor) else Taylor(float(value))
 
 
-def _sine(x: Taylor) -> Taylor:
+def sine(x: Taylor) -> Taylor:
     """sin x: (sin x)'' = x'' cos x - x'^2 sin x"""
     s, c = np.sin(x.value), np.cos(x.value)
     return Taylor(s, c * x.first, c * x.second - s * x.first * x.first)
 
 
-def _cosine(x: Taylor) -> Taylor:
+def cosine(x: Taylor) -> Taylor:
     """cos x: (cos x)'' = -x'' sin x - x'^2 cos x"""
     s, c = np.sin(x.value), np.cos(x.value)
     return Taylor(c, -s * x.first, -s * x.second - c * x.first * x.first)
@@ -136,7 +136,7 @@ class MultiplierEngine(AbstractEngine):
         for joint in self._mechanism.tree_order():
             R, p = poses[joint.parent]
             at = frame(joint.at, self._values)
-            pose = joint.motion([along[name] for name in joint.coordinates], _sine, _cosine).pose
+            pose = joint.motion([along[name] for name in joint.coordinates], sine, cosine).pose
             held = R @ at.rotation
             position = p + R @ at.position + held @ np.array(pose.position, dtype=object)
             poses[joint.child] = (held @ np.array(pose.rotation, dtype=object), position)

@@ -28,13 +28,11 @@ def accelerations(terms: Terms, force: FloatArray, kept: IndexArray) -> tuple[Fl
     A_scaled = E[:, None] * A * D
     matrix = np.block([[D[:, None] * M * D, A_scaled.T], [A_scaled, np.zeros((rows, rows))]])
     right = np.concatenate([D * (force - h), -E * c])
-    if rows == 0 or np.linalg.matrix_rank(A_scaled, tol=_RANK) == rows:
-        solution = np.linalg.solve(matrix, right)
-    else:
-        solution = np.linalg.lstsq(matrix, right, rcond=_RANK)[0]
-    q_ddot = D * solution[:size]
+    regular = rows == 0 or np.linalg.matrix_rank(A_scaled, tol=_RANK) == rows
+    solution: FloatArray = np.linalg.solve(matrix, right) if regular else np.linalg.lstsq(matrix, right, rcond=_RANK)[0]
+    q_ddot: FloatArray = D * solution[:size]
     if len(kept) == rows:
-        return q_ddot, np.asarray(E * solution[size:])
+        return q_ddot, E * solution[size:]
     return q_ddot, E[kept] * multipliers(A_scaled[kept], D * (force - M @ q_ddot - h))
 
 
@@ -43,15 +41,14 @@ def forces(terms: Terms, S: FloatArray, q_ddot: FloatArray, kept: IndexArray) ->
     M, h, A, _ = terms
     D, E = _scales(M, A)
     matrix = np.hstack([D[:, None] * S, -D[:, None] * A[kept].T * E[kept]])
-    solution = np.linalg.lstsq(matrix, D * (M @ q_ddot + h), rcond=_RANK)[0]
+    solution = np.asarray(np.linalg.lstsq(matrix, D * (M @ q_ddot + h), rcond=_RANK)[0], dtype=np.float64)
     inputs = S.shape[1]
     return solution[:inputs], E[kept] * solution[inputs:]
 
 
 def multipliers(A: FloatArray, unbalanced: FloatArray) -> FloatArray:
     """lambda with A^T lambda = Q - M q'' - h."""
-    found: FloatArray = np.linalg.lstsq(A.T, unbalanced, rcond=_RANK)[0]
-    return found
+    return np.asarray(np.linalg.lstsq(A.T, unbalanced, rcond=_RANK)[0], dtype=np.float64)
 
 
 def _scales(M: FloatArray, A: FloatArray) -> tuple[FloatArray, FloatArray]:

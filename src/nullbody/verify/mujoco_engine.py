@@ -18,19 +18,21 @@ from nullbody.verify.kkt import accelerations, forces
 
 __all__ = ["MujocoEngine"]
 
+_OLDEST = "3.3.3"  # before, mj_jacDot was wrong for a body with several hinges
+
 
 class MujocoEngine(AbstractEngine):
     """MuJoCo on the document that `write_mjcf` makes of the mechanism.
 
     Raises:
-        VerificationError: MuJoCo is not installed.
+        VerificationError: MuJoCo is not installed, or older than 3.3.3.
         MechanismError: a mechanism that MuJoCo cannot have, such as a massless body in a loop.
     """
 
     name = "mujoco"
 
     def __init__(self, mechanism: Mechanism, values: Mapping[str, float], labels: tuple[str, ...]) -> None:
-        self._mujoco = load("mujoco", "mujoco")
+        self._mujoco = load("mujoco", "mujoco", _OLDEST)
         self.version = str(self._mujoco.__version__)
         self.labels = labels
         self._kept = kept_rows(mechanism, labels)

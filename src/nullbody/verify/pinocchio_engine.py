@@ -15,6 +15,8 @@ from nullbody.verify.kkt import forces, multipliers
 
 __all__ = ["PinocchioEngine"]
 
+_OLDEST = "4.0.0"  # before, initConstraintDynamics took other arguments
+
 _ACCURACY = 1e-15  # of the proximal iteration on the closures [m/s^2]
 _MU = 1e-10  # proximal damping: regularises redundant closures, and its effect is iterated away
 _ITERATIONS = 50
@@ -24,13 +26,13 @@ class PinocchioEngine(AbstractEngine):
     """One Pinocchio joint for each coordinate, one three-dimensional contact for each loop.
 
     Raises:
-        VerificationError: Pinocchio is not installed.
+        VerificationError: Pinocchio is not installed, or older than 4.0.
     """
 
     name = "pinocchio"
 
     def __init__(self, mechanism: Mechanism, values: Mapping[str, float], labels: tuple[str, ...]) -> None:
-        self._pin = load("pinocchio", "pin")
+        self._pin = load("pinocchio", "pin", _OLDEST)
         self.version = str(self._pin.__version__)
         self.labels = labels
         self._kept = kept_rows(mechanism, labels)
@@ -45,8 +47,7 @@ class PinocchioEngine(AbstractEngine):
         self._contact_data = self._pin.StdVec_RigidConstraintData()
         for contact in self._contacts:
             self._contact_data.append(contact.createData())
-        memory = [self._contacts, self._contact_data] if int(self.version.split(".")[0]) > 3 else [self._contacts]
-        self._pin.initConstraintDynamics(self._model, self._data, *memory)
+        self._pin.initConstraintDynamics(self._model, self._data, self._contacts, self._contact_data)
         self._S = input_matrix(mechanism)
 
     def forward_dynamics(self, q: FloatArray, q_dot: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -16,8 +16,8 @@ from nullbody.typing import FloatArray
 
 __all__ = ["admissible_states", "typical_length"]
 
-_ANGLE = 0.5  # rad, of a random pose against the home
-_LENGTH = 0.2  # of the typical length, likewise
+_ANGLE = 0.8  # rad, of a random pose against the home
+_LENGTH = 0.35  # of the typical length, likewise
 _SPEED = 1.0  # 1/s: rates of angles, and of lengths in typical lengths
 _SPREAD = 30.0  # largest entry of N in rad and typical lengths: farther from |B| = 0 both sides keep 14 digits
 _SLACK = 10  # |Phi| of a sampled pose against CLOSED, for a typical length of 1 m
@@ -55,7 +55,8 @@ def admissible_states(model: Model, count: int, seed: int = 0) -> list[State]:
         else:
             raise AssemblyError(
                 f"no admissible pose of {model.mechanism.name!r} was found near its home in {_TRIES} tries: the loops "
-                f"do not close there, or {', '.join(model.independent)} are singular. Check `home`, or derive with others"
+                f"do not close there, or {', '.join(model.independent)} are singular. Check `home`, "
+                "or derive with other independent coordinates"
             )
     return states
 

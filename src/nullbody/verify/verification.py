@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from nullbody.errors import UnknownName, VerificationError
 from nullbody.model import State
 from nullbody.typing import FloatArray
 
-__all__ = ["QUANTITIES", "Discrepancy", "EngineResult", "Verification"]
+__all__ = ["Discrepancy", "EngineResult", "Verification"]
 
-#: What is compared, and how it is called in messages.
-QUANTITIES = {
+_QUANTITIES = {
     "forward_dynamics": "q''",
     "inverse_dynamics": "inverse-dynamics forces",
     "reactions": "reactions",
@@ -48,25 +47,21 @@ class EngineResult:
 
     Attributes:
         name, version: of the engine.
-        forward_dynamics: q'' for random inputs.
-        inverse_dynamics: inputs for random admissible accelerations; nothing where the mechanism has not one
-            input for each degree of freedom.
-        reactions: lambda; nothing where there are no loops.
+        quantities: "forward_dynamics", q'' for random inputs; "inverse_dynamics", inputs for random admissible
+            accelerations, where the mechanism has one input for each degree of freedom; "reactions", lambda,
+            where there are loops.
         skipped: why it did not run, or nothing.
     """
 
     name: str
     version: str = ""
-    forward_dynamics: Discrepancy | None = None
-    inverse_dynamics: Discrepancy | None = None
-    reactions: Discrepancy | None = None
+    quantities: Mapping[str, Discrepancy] = field(default_factory=dict)
     skipped: str = ""
 
-    @property
-    def quantities(self) -> dict[str, Discrepancy]:
-        """What was compared, by name."""
-        found = {name: getattr(self, name) for name in QUANTITIES}
-        return {name: value for name, value in found.items() if value is not None}
+    def __getitem__(self, name: str) -> Discrepancy:
+        if name not in self.quantities:
+            raise UnknownName(f"quantity of engine {self.name!r}", name, self.quantities)
+        return self.quantities[name]
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +140,7 @@ class Verification:
             for name, found in engine.quantities.items():
                 numbers = f"{found.max_rel_error:>10.1e}{found.median_rel_error:>12.1e}{found.max_abs_error:>10.1e}"
                 lines.append(
-                    f"  {title:<20}{QUANTITIES[name]:<26}{numbers}{'' if self._agrees(found) else '  <- too large'}"
+                    f"  {title:<20}{_QUANTITIES[name]:<26}{numbers}{'' if self._agrees(found) else '  <- too large'}"
                 )
                 title = ""
         return "\n".join(lines)
@@ -157,9 +152,10 @@ class Verification:
         place = ", ".join(f"{key} = {value!r}" for key, value in found.worst.positions.items())
         rates = ", ".join(f"{key}' = {value!r}" for key, value in found.worst.rates.items())
         return (
-            f"{engine.name} {engine.version} and nullbody disagree on {QUANTITIES[name]} of {self.mechanism!r} by "
+            f"{engine.name} {engine.version} and nullbody disagree on {_QUANTITIES[name]} of {self.mechanism!r} by "
             f"{found.max_rel_error:.3g} relative (tolerance {self.tolerance:g}) in state {found.state} of "
-            f"{self.states}, seed {self.seed}: {found.theirs.tolist()} against {found.ours.tolist()}. State: {place}; {rates}"
+            f"{self.states}, seed {self.seed}: {found.theirs.tolist()} against {found.ours.tolist()}. "
+            f"State: {place}; {rates}"
         )
 
 
