@@ -9,10 +9,10 @@ from nullbody.equations.closure import Closures, closures
 from nullbody.equations.equations import Equations, Routine
 from nullbody.equations.frame import frames
 from nullbody.equations.inertia import Inertia, inertia
-from nullbody.equations.reduction import acceleration, reduce, solve_symmetric
+from nullbody.equations.reduction import Reduced, acceleration, reduce, solve_symmetric
 from nullbody.equations.scalar import ParameterScalars
-from nullbody.errors import InputError, UnknownName
-from nullbody.expr import Expr, Graph, substitute
+from nullbody.errors import InputError, MechanismError, UnknownName
+from nullbody.expr import Expr, Graph, directional, substitute
 from nullbody.expr.matrix import add, dot, matvec, scale, total, transpose
 from nullbody.mechanism import Mechanism
 from nullbody.nullspace import NullSpace, echelon, null_space
@@ -32,6 +32,7 @@ def derive(mechanism: Mechanism, independent: Sequence[str] | None = None) -> Eq
     Raises:
         UnknownName: a name is no coordinate.
         InputError: too few or too many names.
+        MechanismError: a degree of freedom moves no mass.
         SingularityError: |B| is identically zero for this choice; the message names one that would do.
     """
     graph = Graph()
@@ -77,11 +78,12 @@ class _Symbols:
             "q_ddot": tuple(f"{name}_ddot" for name in names),
             "p": tuple(p.name for p in mechanism.parameters),
         }
+        self.q = [graph.symbol(name) for name in names]
         self.rates = [graph.symbol(f"{name}_dot") for name in names]
         self.v, self.u = self.group("v"), self.group("u")
         self.independent = [names.index(name) for name in independent]
-        at = {actuator.coordinate: actuator.name for actuator in mechanism.actuators}
-        self.Q = [self.zero + total(graph.symbol(u) for c, u in at.items() if c == name) for name in names]
+        acting = [(actuator.coordinate, graph.symbol(actuator.name)) for actuator in mechanism.actuators]
+        self.Q = [self.zero + total(u for coordinate, u in acting if coordinate == name) for name in names]
         self.input_columns = [[1 if a.coordinate == name else 0 for name in names] for a in mechanism.actuators]
 
     @property
@@ -101,16 +103,18 @@ def _independent(mechanism: Mechanism, loops: Closures, wanted: Sequence[str] | 
     if wanted is None:
         pivots = form.columns if form else ()
         free = [name for j, name in enumerate(names) if j not in pivots]
-        actuated = [name for name in mechanism.actuated if name in free]
+        actuated = [name for name in dict.fromkeys(mechanism.actuated) if name in free]
         return tuple(actuated + [name for name in free if name not in actuated])
-    if isinstance(wanted, str):
-        wanted = (wanted,)
+    try:
+        wanted = (wanted,) if isinstance(wanted, str) else tuple(wanted)
+    except TypeError:
+        raise InputError(f"independent must be a list of coordinate names, not {wanted!r}") from None
     for name in wanted:
         if name not in names:
             raise UnknownName("coordinate", name, names)
     if len(set(wanted)) != len(wanted) or len(wanted) != nv:
         raise InputError(f"{mechanism.name!r} has {nv} degrees of freedom: name {nv} coordinates, not {list(wanted)}")
-    return tuple(wanted)
+    return wanted
 
 
 def _preferred_order(mechanism: Mechanism) -> list[int]:
@@ -121,13 +125,14 @@ def _preferred_order(mechanism: Mechanism) -> list[int]:
 
 def _null_space(A: list[list[Expr]], independent: list[int], n: int) -> NullSpace:
     if not A:
-        return NullSpace(1, tuple(independent), (), (), (), eliminate([]), tuple(() for _ in independent))
+        return NullSpace(1, tuple(independent), (), (), (), (), eliminate([]), 0)
     return null_space(A, independent)
 
 
 def _outputs(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symbols) -> dict[str, Any]:
     zero = symbols.zero
-    N, gamma = space.basis, space.offset(loops.c)
+    N, bias = space.basis, _bias(space, symbols)
+    gamma = space.offset(bias, of_simplified=True)
     reduced = reduce(bodies.M, bodies.h, N, gamma)
     outputs = {
         "Phi": [loops.Phi[i] for i in space.rows],
@@ -142,7 +147,7 @@ def _outputs(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symbo
         "N": N,
         "N_scaled": space.scaled,
         "gamma": gamma,
-        "gamma_scaled": space.offset_scaled(loops.c),
+        "gamma_scaled": space.offset_scaled(bias, of_simplified=True),
         "Mr": reduced.Mr,
         "hr": reduced.hr,
         "Br": _input_matrix(N, symbols),
@@ -150,17 +155,23 @@ def _outputs(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symbo
     return {name: _expressions(output, zero) for name, output in outputs.items()}
 
 
+def _bias(space: NullSpace, symbols: _Symbols) -> list[Expr]:
+    """A' q' of the simplified rows: c after the same row operations, cheaper than they would make it."""
+    products = [symbols.zero + rate for rate in matvec(space.simplified, symbols.rates)]
+    return directional(products, dict(zip(symbols.q, symbols.rates, strict=True)))
+
+
 def _routines(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symbols) -> dict[str, Routine]:
     """The same equations with q' = N v put in, grouped by what is evaluated together."""
     zero, N, v = symbols.zero, space.basis, symbols.v
     qd = [zero + rate for rate in matvec(N, v)]
     onto = {symbols.rates[j]: qd[j] for j in space.dependent}
-    h, c = substitute(bodies.h, onto), substitute(loops.c, onto)
-    gamma = space.offset(c)
+    h, bias = substitute(bodies.h, onto), substitute(_bias(space, symbols), onto)
+    gamma = space.offset(bias, of_simplified=True)
     reduced = reduce(bodies.M, h, N, gamma)
     check = {"delta": space.delta, "spread": total(e * e for row in N for e in row if isinstance(e, Expr))}
     Br = _input_matrix(N, symbols)
-    v_dot = solve_symmetric(reduced.Mr, add(matvec(Br, symbols.u), scale(-1, reduced.hr)))
+    v_dot = _accelerations(reduced, add(matvec(Br, symbols.u), scale(-1, reduced.hr)))
     demanded = acceleration(N, symbols.group("v_dot"), gamma)
     needed = matvec(transpose(N), add(matvec(bodies.M, demanded), h))
     unbalanced = add(symbols.Q, scale(-1, add(matvec(bodies.M, symbols.group("q_ddot")), bodies.h)))
@@ -179,6 +190,17 @@ def _routines(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symb
         name: Routine(r.inputs, {key: _expressions(value, zero) for key, value in r.outputs.items()})
         for name, r in routines.items()
     }
+
+
+def _accelerations(reduced: Reduced, force: list[Any]) -> list[Any]:
+    """v' with Mr v' = Br u - hr."""
+    try:
+        return solve_symmetric(reduced.Mr, force)
+    except ZeroDivisionError:
+        raise MechanismError(
+            "the reduced mass matrix is singular in every configuration: some motion moves no mass; "
+            "give the bodies that move with it a mass or an inertia"
+        ) from None
 
 
 def _input_matrix(N: Any, symbols: _Symbols) -> list[list[Any]]:

@@ -55,8 +55,7 @@ def summary(equations: Equations) -> str:
         f"  u = {' '.join(equations.inputs) or 'none'}",
     ]
     for loop in mechanism.loops:
-        kept = [label.split()[1] for label in equations.labels if label.split()[0] == loop.name]
-        dropped = [label.split()[1] for label in equations.redundant if label.split()[0] == loop.name]
+        kept, dropped = _directions(equations.labels, loop.name), _directions(equations.redundant, loop.name)
         note = f", {' '.join(dropped)} repeats other equations" if dropped else ""
         lines.append(
             f"  loop {loop.name}: a point of {loop.body_a} meets a point of {loop.body_b} ({' '.join(kept)}{note})"
@@ -66,6 +65,11 @@ def summary(equations: Equations) -> str:
         size = " x ".join(str(n) for n in shape(equations[name])) or "1"
         lines.append(f"  {name:<13}{size:>8}  {equations.operations(name)!s:<40}{_MEANINGS[name]}")
     return "\n".join(lines)
+
+
+def _directions(labels: Sequence[str], loop: str) -> list[str]:
+    """The directions of one loop among labels such as "leg1 x"."""
+    return [direction for name, _, direction in (label.rpartition(" ") for label in labels) if name == loop]
 
 
 def shape(output: Any) -> tuple[int, ...]:

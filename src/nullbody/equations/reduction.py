@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from nullbody.expr import Expr
 from nullbody.expr.matrix import Matrix, Vector, add, dot, matmul, matvec, scale, total, transpose
 
 __all__ = ["Reduced", "reduce", "solve_symmetric"]
@@ -54,11 +53,6 @@ def solve_symmetric(matrix: Matrix, right: Sequence[Any]) -> list[Any]:
     for i in reversed(range(n)):
         x[i] = total((x[i], -dot([L[k][i] for k in range(i + 1, n)], x[i + 1 :])))
     return x
-
-
-def velocity(N: Matrix, v: Sequence[Expr]) -> list[Any]:
-    """q' = N v"""
-    return matvec(N, v)
 
 
 def acceleration(N: Matrix, v_dot: Sequence[Any], gamma: Vector) -> list[Any]:

@@ -36,6 +36,7 @@ class NullSpace:
         dependent: the other columns, in increasing order.
         rows: independent rows of A that were used.
         redundant: rows of A that repeat others.
+        simplified: the rows that were used after constant row operations; the same null space, fewer operations.
     """
 
     delta: Any
@@ -43,26 +44,39 @@ class NullSpace:
     dependent: tuple[int, ...]
     rows: tuple[int, ...]
     redundant: tuple[int, ...]
+    simplified: tuple[tuple[Any, ...], ...]
     _factors: Elimination
-    _free: tuple[tuple[Any, ...], ...]
+    _simplifications: int
 
     @cached_property
     def basis(self) -> tuple[tuple[Any, ...], ...]:
         """N, n x d: q' = N v."""
-        return self._assembled([self._factors.solve(column) for column in self._free], 1)
+        return self._assembled([self._factors.solve(*column) for column in self._free], 1)
 
     @cached_property
     def scaled(self) -> tuple[tuple[Any, ...], ...]:
         """N~ = |B| N, n x d, free of divisions."""
-        return self._assembled([self._factors.solve_scaled(column) for column in self._free], self.delta)
+        return self._assembled([self._factors.solve_scaled(*column) for column in self._free], self.delta)
 
-    def offset(self, c: Sequence[Any]) -> tuple[Any, ...]:
-        """gamma with A gamma + c = 0 and zeros in the independent places: gamma = [-B^-1 c; 0]."""
-        return self._offset(self._factors.solve([c[i] for i in self.rows]))
+    @property
+    def _free(self) -> list[tuple[list[Any], int]]:
+        return [([row[j] for row in self.simplified], self._simplifications) for j in self.independent]
 
-    def offset_scaled(self, c: Sequence[Any]) -> tuple[Any, ...]:
+    def offset(self, c: Sequence[Any], *, of_simplified: bool = False) -> tuple[Any, ...]:
+        """gamma with A gamma + c = 0 and zeros in the independent places: gamma = [-B^-1 c; 0].
+
+        Args:
+            c: one entry for each row of A, or of `simplified`.
+            of_simplified: whether c belongs to the rows of `simplified`, where it is often cheaper.
+        """
+        return self._offset(self._factors.solve(*self._right(c, of_simplified)))
+
+    def offset_scaled(self, c: Sequence[Any], *, of_simplified: bool = False) -> tuple[Any, ...]:
         """gamma~ = |B| gamma = [-adj(B) c; 0], free of divisions."""
-        return self._offset(self._factors.solve_scaled([c[i] for i in self.rows]))
+        return self._offset(self._factors.solve_scaled(*self._right(c, of_simplified)))
+
+    def _right(self, c: Sequence[Any], of_simplified: bool) -> tuple[list[Any], int]:
+        return (list(c), self._simplifications) if of_simplified else ([c[i] for i in self.rows], 0)
 
     def multipliers(self, force: Sequence[Any]) -> tuple[Any, ...]:
         """lambda with A^T lambda = force in the dependent places: lambda = B^-T force_B; 0 for redundant rows."""
@@ -126,8 +140,9 @@ def null_space(A: Matrix, independent: Sequence[int] | None = None) -> NullSpace
     factors = eliminate([[row[j] for j in dependent] for row in used], steps)
     if is_zero(factors.delta):
         raise SingularityError(_singular_message(rows, chosen, n))
-    free = tuple(tuple(rows[i][j] for i in kept) for j in chosen)
-    return NullSpace(factors.delta, chosen, dependent, kept, found.redundant if found else (), factors, free)
+    simplified = tuple(tuple(row) for row in used)
+    redundant = found.redundant if found else ()
+    return NullSpace(factors.delta, chosen, dependent, kept, redundant, simplified, factors, len(steps))
 
 
 def _chosen(

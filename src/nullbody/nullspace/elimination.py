@@ -54,9 +54,14 @@ class Elimination:
     _matrix: tuple[tuple[Any, ...], ...]
     _steps: tuple[tuple[int, int, Any], ...]
 
-    def solve(self, right: Sequence[Any]) -> list[Any]:
-        """x = B^-1 r, with one reciprocal for each block; shared by all right-hand sides of a graph."""
-        work = self._forward(right)
+    def solve(self, right: Sequence[Any], skip: int = 0) -> list[Any]:
+        """x = B^-1 r, with one reciprocal for each block; shared by all right-hand sides of a graph.
+
+        Args:
+            right: r, after the first `skip` row operations.
+            skip: how many of the steps given to `eliminate` it has gone through.
+        """
+        work = self._forward(right, skip)
         x: list[Any] = [0] * len(work)
         for block in reversed(self.blocks):
             y = self._block_right(block, work, x)
@@ -68,9 +73,9 @@ class Elimination:
             x[pivot.column] = total((work[pivot.row], self._beyond(pivot, x))) * pivot.inverse
         return x
 
-    def solve_scaled(self, right: Sequence[Any]) -> list[Any]:
-        """|B| x = adj(B) r, without any division by an expression."""
-        work = self._forward(right)
+    def solve_scaled(self, right: Sequence[Any], skip: int = 0) -> list[Any]:
+        """|B| x = adj(B) r, without any division by an expression; arguments as `solve`."""
+        work = self._forward(right, skip)
         x: list[Any] = [0] * len(work)
         factor: Any = self._constant
         for block in reversed(self.blocks):
@@ -121,9 +126,9 @@ class Elimination:
             result = reciprocal(pivot.inverse) * result
         return result
 
-    def _forward(self, right: Sequence[Any]) -> list[Any]:
+    def _forward(self, right: Sequence[Any], skip: int) -> list[Any]:
         work = list(right)
-        for row, source, factor in self._steps:
+        for row, source, factor in self._steps[skip:]:
             work[row] = _less(work[row], factor, work[source])
         return work
 

@@ -32,7 +32,7 @@ def orthogonal_basis(
     """
     rows: list[Sequence[Any]] = [list(row) for row in A]
     first = null_space(rows, independent)
-    rows = [rows[i] for i in first.rows]
+    rows = [rows[i] for i in first.rows] or rows[:1]
     free = list(first.independent)
     columns: list[list[Any]] = []
     while free:

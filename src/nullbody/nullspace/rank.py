@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from nullbody.expr import Exact, Expr
+from nullbody.expr import Exact, Expr, Graph
 from nullbody.expr.matrix import Matrix
 from nullbody.nullspace.scalar import exact_rational
 
@@ -44,8 +44,9 @@ def echelon(matrix: Matrix, columns: Sequence[int] | None = None) -> Echelon | N
     Returns:
         None where the scalars have no exact witness (floats, SymPy expressions).
     """
-    prime = next((e.graph.prime for row in matrix for e in row if isinstance(e, Expr)), None)
-    witnesses = [[_witness(entry) for entry in row] for row in matrix]
+    graph = next((entry.graph for row in matrix for entry in row if isinstance(entry, Expr)), None)
+    prime = None if graph is None else graph.prime
+    witnesses = [[_witness(entry, graph) for entry in row] for row in matrix]
     if any(entry is None for row in witnesses for entry in row):
         return None
     order = list(columns) if columns is not None else list(range(len(matrix[0]) if matrix else 0))
@@ -70,10 +71,12 @@ def echelon(matrix: Matrix, columns: Sequence[int] | None = None) -> Echelon | N
     return Echelon(tuple(rows), tuple(pivots), tuple(redundant))
 
 
-def _witness(entry: Any) -> Any:
+def _witness(entry: Any, graph: Graph | None) -> Any:
     if isinstance(entry, Expr):
         return entry.graph.value(entry.ref)
-    return Fraction(entry) if exact_rational(entry) else None
+    if not exact_rational(entry):
+        return None
+    return Fraction(entry) if graph is None else graph.residue(Exact.of(entry))
 
 
 def _reduced(number: Any, prime: int | None) -> Any:
