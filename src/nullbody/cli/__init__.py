@@ -1,0 +1,5 @@
+"""Layer 10: the command `nullbody`."""
+
+from nullbody.cli.app import main
+
+__all__ = ["main"]
