@@ -11,7 +11,7 @@ from nullbody.equations.frame import frames
 from nullbody.equations.inertia import Inertia, inertia
 from nullbody.equations.reduction import Reduced, acceleration, reduce, solve_symmetric
 from nullbody.equations.scalar import ParameterScalars
-from nullbody.errors import InputError, MechanismError, UnknownName
+from nullbody.errors import InputError, MechanismError, SingularityError, UnknownName
 from nullbody.expr import Expr, Graph, directional, substitute
 from nullbody.expr.matrix import add, dot, matvec, scale, total, transpose
 from nullbody.mechanism import Mechanism
@@ -44,7 +44,7 @@ def derive(mechanism: Mechanism, independent: Sequence[str] | None = None) -> Eq
     loops = closures(mechanism, found, scalars, list(q.values()), list(rates.values()))
     bodies = inertia(mechanism, found, scalars, q, rates)
     chosen = _independent(mechanism, loops, independent)
-    space = _null_space(loops.A, [names.index(name) for name in chosen], len(names))
+    space = _null_space(loops.A, names, chosen)
     symbols = _Symbols(graph, mechanism, chosen)
     outputs = _outputs(loops, bodies, space, symbols)
     routines = _routines(loops, bodies, space, symbols)
@@ -123,10 +123,19 @@ def _preferred_order(mechanism: Mechanism) -> list[int]:
     return sorted(range(len(names)), key=lambda j: names[j] in mechanism.actuated)
 
 
-def _null_space(A: list[list[Expr]], independent: list[int], n: int) -> NullSpace:
+def _null_space(A: list[list[Expr]], names: tuple[str, ...], chosen: tuple[str, ...]) -> NullSpace:
+    independent = [names.index(name) for name in chosen]
     if not A:
         return NullSpace(1, tuple(independent), (), (), (), (), eliminate([]), 0)
-    return null_space(A, independent)
+    try:
+        return null_space(A, independent)
+    except SingularityError:
+        form = echelon(A, [j for j in range(len(names)) if j not in independent] + independent)
+        would_do = [name for j, name in enumerate(names) if form is None or j not in form.columns]
+        raise SingularityError(
+            f"{', '.join(chosen)} cannot be the independent coordinates in any configuration: they depend on each "
+            f"other, |B| is identically zero. {', '.join(would_do)} would do"
+        ) from None
 
 
 def _outputs(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symbols) -> dict[str, Any]:
