@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from nullbody.errors import InputError
 from nullbody.expr.expression import Expr
 from nullbody.expr.graph import ONE, ZERO, Graph
 
@@ -18,10 +19,8 @@ def directional(functions: Sequence[Expr], seeds: Mapping[Expr, Expr]) -> list[E
     if not functions:
         return []
     graph = functions[0].graph
+    mask = _symbols(graph, seeds)
     tangent = {x.ref >> 1: s.ref for x, s in seeds.items()}
-    mask = 0
-    for x in seeds:
-        mask |= graph.depends[x.ref >> 1]
     for node in graph.reachable(f.ref for f in functions if graph.depends[f.ref >> 1] & mask):
         if node not in tangent:
             tangent[node] = _tangent(graph, node, tangent) if graph.depends[node] & mask else ZERO
@@ -44,14 +43,28 @@ def substitute(functions: Sequence[Expr], values: Mapping[Expr, Expr]) -> list[E
     if not functions:
         return []
     graph = functions[0].graph
+    mask = _symbols(graph, values)
     image = {x.ref >> 1: g.ref for x, g in values.items()}
-    mask = 0
-    for x in values:
-        mask |= graph.depends[x.ref >> 1]
     for node in graph.reachable(f.ref for f in functions):
         if node not in image:
             image[node] = _rebuilt(graph, node, image) if graph.depends[node] & mask else 2 * node
     return [Expr(graph, _signed(graph, image[f.ref >> 1], f.ref)) for f in functions]
+
+
+def _symbols(graph: Graph, values: Mapping[Expr, Expr]) -> int:
+    """The keys as a set of symbols, a bit mask like `graph.depends`.
+
+    Raises:
+        InputError: a key is no symbol, or something belongs to another graph.
+    """
+    mask = 0
+    for x, g in values.items():
+        if x.graph is not graph or g.graph is not graph:
+            raise InputError("two expressions of different graphs cannot be combined")
+        if x.name is None:
+            raise InputError(f"expected a symbol, not {x!r}")
+        mask |= graph.depends[x.ref >> 1]
+    return mask
 
 
 def _signed(graph: Graph, ref: int, like: int) -> int:

@@ -28,6 +28,8 @@ __all__ = ["ONE", "ZERO", "Graph"]
 
 ZERO = 0  # reference of the constant 0
 ONE = 2  # reference of the constant 1
+_BINARY = frozenset(("add", "sub", "mul"))
+_LEAVES = frozenset(("const", "symbol"))
 
 Key = tuple[str, int, int]
 
@@ -136,7 +138,8 @@ class Graph:
         if a >> 1 > b >> 1:
             a, b = b, a
         op = "sub" if (a ^ b) & 1 else "add"
-        return self._node(op, a & ~1, b & ~1) ^ (a & 1)
+        found = self._node(op, a & ~1, b & ~1)
+        return self.negate(found) if a & 1 else found
 
     def multiply(self, a: int, b: int) -> int:
         """a b."""
@@ -226,22 +229,24 @@ class Graph:
 
     def reachable(self, refs: Iterable[int]) -> list[int]:
         """The nodes that the references need, in order of evaluation."""
-        seen: set[int] = set()
-        stack = [ref >> 1 for ref in refs]
-        while stack:
-            node = stack.pop()
-            if node in seen:
-                continue
-            seen.add(node)
-            stack.extend(operand >> 1 for operand in self.operands(node))
-        return sorted(seen)
+        needed = bytearray(len(self.code))
+        for ref in refs:
+            needed[ref >> 1] = 1
+        for node in range(needed.rfind(1), -1, -1):
+            if needed[node]:
+                op, a, b = self.code[node]
+                if op in _BINARY:
+                    needed[a >> 1] = needed[b >> 1] = 1
+                elif op not in _LEAVES:
+                    needed[a >> 1] = 1
+        return [node for node, wanted in enumerate(needed) if wanted]
 
     def operands(self, node: int) -> tuple[int, ...]:
         """The references that a node reads."""
         op, a, b = self.code[node]
-        if op in ("add", "sub", "mul"):
+        if op in _BINARY:
             return (a, b)
-        return () if op in ("const", "symbol") else (a,)
+        return () if op in _LEAVES else (a,)
 
     def verify(self) -> int:
         """Repeat every merge by value at a second prime and another point; return how many there were.

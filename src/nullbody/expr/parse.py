@@ -82,7 +82,12 @@ class _Unknown:
     def _combined(self, _: object) -> _Unknown:
         return self
 
-    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = _combined
+    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __rtruediv__ = _combined
+
+    def __truediv__(self, other: object) -> _Unknown:
+        if other == 0:
+            raise ZeroDivisionError
+        return self
 
     def __neg__(self) -> _Unknown:
         return self
@@ -113,7 +118,7 @@ class _Parser:
         while place < len(text):
             match = _TOKEN.match(text, place)
             if match is None:
-                self._fail("unexpected character", place)
+                self._fail("unexpected character", len(text) - len(text[place:].lstrip()))
             number, word, sign = match.groups()
             kind = "number" if number else "name" if word else "sign"
             tokens.append((kind, number or word or sign, match.start(match.lastindex or 0)))

@@ -10,6 +10,7 @@ from typing import Any
 
 from nullbody.errors import InputError, UnknownName
 from nullbody.expr.expression import Expr
+from nullbody.expr.graph import Graph
 
 __all__ = ["Operations", "Tape", "operations"]
 
@@ -63,7 +64,7 @@ class Tape:
         """
         if not outputs:
             return cls(tuple(inputs), (), (), ())
-        graph = outputs[0].graph
+        graph = _graph_of(outputs)
         position = {name: k for k, name in enumerate(inputs)}
         nodes = graph.reachable(f.ref for f in outputs)
         slot = {node: k for k, node in enumerate(nodes)}
@@ -129,10 +130,17 @@ class Tape:
         return [read(ref) for ref in self.outputs]
 
 
+def _graph_of(outputs: Sequence[Expr]) -> Graph:
+    graph = outputs[0].graph
+    if any(f.graph is not graph for f in outputs):
+        raise InputError("the expressions belong to different graphs")
+    return graph
+
+
 def operations(outputs: Sequence[Expr]) -> Operations:
     """Operation counts of some expressions evaluated together, each shared node once."""
     if not outputs:
         return Operations()
-    graph = outputs[0].graph
+    graph = _graph_of(outputs)
     n = Counter(graph.code[node][0] for node in graph.reachable(f.ref for f in outputs))
     return Operations(n["add"] + n["sub"], n["mul"], n["inv"], n["sqrt"], n["sin"] + n["cos"])

@@ -8,7 +8,7 @@ of the new row whose value is a small multiple of an existing expression becomes
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
 from typing import NamedTuple
@@ -31,35 +31,48 @@ _ROUNDING = 1e-9
 
 def simplified_rows(matrix: Matrix) -> tuple[list[list[Expr]], list[RowStep]]:
     """The rows after constant row operations of determinant 1, and the operations in order."""
-    rows = [list(row) for row in matrix]
-    if not rows or not rows[0]:
-        return rows, []
-    search = _Search(rows[0][0].graph)
+    if not matrix or not matrix[0]:
+        return [list(row) for row in matrix], []
+    search = _Search(matrix[0][0].graph)
+    rows = [search.row(row) for row in matrix]
     steps: list[RowStep] = []
     pairs = [(i, k) for i in range(len(rows)) for k in range(len(rows)) if i != k]
-    best = {pair: search.improvement(rows, *pair) for pair in pairs}
+    best = {pair: search.improvement(rows[pair[0]], rows[pair[1]]) for pair in pairs}
     while len(steps) < _MOST_STEPS * len(rows):
         pair = max(pairs, key=lambda pair: best[pair].gain, default=None)
         if pair is None or best[pair].gain <= 0:
             break
-        rows[pair[0]] = best[pair].entries
-        steps.append((*pair, search.graph.constant(best[pair].factor)))
-        for other in pairs:
-            if pair[0] in other:
-                best[other] = search.improvement(rows, *other)
-    return rows, steps
+        i, k = pair
+        rows[i] = search.row(search.difference(rows[i], best[pair], rows[k]))
+        steps.append((i, k, search.graph.constant(best[pair].factor)))
+        for one, two in pairs:
+            if i in (one, two):
+                best[one, two] = search.improvement(rows[one], rows[two])
+    return [row.entries for row in rows], steps
+
+
+class _Row(NamedTuple):
+    """A row with the values of its entries, their inverses in the field, and what each costs."""
+
+    entries: list[Expr]
+    values: list[int]
+    inverses: list[int]
+    costs: list[float]
 
 
 class _Improvement(NamedTuple):
-    """The best operation of one row on another: its factor, the new entries, and what they cost less."""
+    """The best operation of one row on another: its factor, the factor's value, and what the new row costs less."""
 
     factor: Exact
-    entries: list[Expr]
+    residue: int
     gain: float
 
 
+_NOTHING = _Improvement(Exact.of(0), 0, 0.0)
+
+
 class _Search:
-    """Row operations on expressions of one graph, judged by their values."""
+    """Row operations on expressions of one graph, judged by their values; nothing is built before it is chosen."""
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
@@ -68,61 +81,82 @@ class _Search:
         self.factors = {graph.residue(number): number for number in _constants(wide=True)}
         self.multiples = [(pow(graph.residue(number), -1, self.prime), number) for number in _constants(wide=False)]
 
-    def improvement(self, rows: list[list[Expr]], i: int, k: int) -> _Improvement:
-        """The best factor f for which row i - f row k is cheaper than row i; no gain where there is none."""
-        best = _Improvement(Exact.of(0), [], 0.0)
-        one = [self.graph.value(entry.ref) for entry in rows[i]]
-        two = [self.graph.value(entry.ref) for entry in rows[k]]
-        before = self.cost(rows[i])
-        for residue, factor in self._cancelling(one, two):
-            zeros = sum((a - residue * b) % self.prime == 0 for a, b in zip(one, two, strict=True))
-            if zeros < one.count(0) - 1:
+    def row(self, entries: Sequence[Expr]) -> _Row:
+        """A row with everything that the search asks of it."""
+        values = [self.graph.value(entry.ref) for entry in entries]
+        inverses = [pow(value, -1, self.prime) if value else 0 for value in values]
+        return _Row(list(entries), values, inverses, [self._cost(entry.ref) for entry in entries])
+
+    def improvement(self, one: _Row, two: _Row) -> _Improvement:
+        """The best factor f for which one - f two is cheaper than one; no gain where there is none."""
+        best, before, zeros = _NOTHING, sum(one.costs), one.values.count(0)
+        tried: set[int] = set()
+        for a, inverse in zip(one.values, two.inverses, strict=True):
+            residue = a * inverse % self.prime
+            if not residue or residue in tried or residue not in self.factors:
                 continue
-            entries = [self._less(a, residue, factor, b) for a, b in zip(rows[i], rows[k], strict=True)]
-            gain = before - self.cost(entries)
+            tried.add(residue)
+            values = [(x - residue * y) % self.prime for x, y in zip(one.values, two.values, strict=True)]
+            if values.count(0) < zeros - 1:
+                continue
+            gain = before - sum(self._new_cost(one, two, j, value) for j, value in enumerate(values))
             if gain > max(best.gain, _ROUNDING):
-                best = _Improvement(factor, entries, gain)
+                best = _Improvement(self.factors[residue], residue, gain)
         return best
 
-    def cost(self, row: list[Expr]) -> float:
-        """What the entries of a row cost."""
-        return sum(self._entry_cost(entry) for entry in row)
+    def difference(self, one: _Row, step: _Improvement, two: _Row) -> list[Expr]:
+        """one - f two, each entry as a multiple of an existing expression where its value is one."""
+        entries = []
+        for a, b, x, y in zip(one.entries, two.entries, one.values, two.values, strict=True):
+            value = (x - step.residue * y) % self.prime
+            known = self._multiple(value, a, b) if y and value else None
+            if not value or not y:
+                entries.append(a if value else self.graph.constant(0))
+            elif known is None or a.constant is not None:
+                entries.append(a - b * step.factor)
+            else:
+                entries.append(Expr(self.graph, known[0]) * known[1])
+        return entries
 
-    def _entry_cost(self, entry: Expr) -> float:
-        if entry.ref == 0:
-            return 0.0
-        if entry.constant is not None:
-            return _CONSTANT
-        node = entry.ref >> 1
-        if node not in self.sizes:
-            arithmetic = ("add", "sub", "mul", "inv", "sqrt")
-            self.sizes[node] = sum(self.graph.code[n][0] in arithmetic for n in self.graph.reachable([entry.ref]))
-        return _ENTRY + _OPERATION * min(self.sizes[node], _LARGEST_SIZE)
-
-    def _cancelling(self, one: list[int], two: list[int]) -> Iterator[tuple[int, Exact]]:
-        """The constants f, with their residues, for which some entry of one - f two vanishes."""
-        seen: set[int] = set()
-        for a, b in zip(one, two, strict=True):
-            if a == 0 or b == 0:
-                continue
-            residue = a * pow(b, -1, self.prime) % self.prime
-            if residue not in seen and residue in self.factors:
-                seen.add(residue)
-                yield residue, self.factors[residue]
-
-    def _less(self, a: Expr, residue: int, factor: Exact, b: Expr) -> Expr:
-        """a - factor b, as a multiple of an existing expression where its value is one."""
-        if b.ref == 0:
-            return a
-        value = (self.graph.value(a.ref) - residue * self.graph.value(b.ref)) % self.prime
-        if value == 0:
-            return self.graph.constant(0)
+    def _multiple(self, value: int, a: Expr, b: Expr) -> tuple[int, Exact] | None:
+        """(reference, n) of an existing expression with n times its value the wanted one, in the symbols of a and b."""
         needs = self.graph.depends[a.ref >> 1] | self.graph.depends[b.ref >> 1]
         for inverse, number in self.multiples:
             ref = self.graph.find(value * inverse % self.prime, needs)
             if ref is not None:
-                return Expr(self.graph, ref) * number
-        return a - b * factor
+                return ref, number
+        return None
+
+    def _new_cost(self, one: _Row, two: _Row, j: int, value: int) -> float:
+        """What entry j of a difference with this value costs."""
+        if not value or not two.values[j]:
+            return one.costs[j] if value else 0.0
+        a, b = one.entries[j], two.entries[j]
+        if a.constant is not None and b.constant is not None:
+            return _CONSTANT
+        known = self._multiple(value, a, b)
+        if known is not None:
+            return self._cost(known[0]) + (0.0 if known[1] == _UNIT else _OPERATION)
+        return _ENTRY + _OPERATION * min(self._size(a.ref) + self._size(b.ref) + 2, _LARGEST_SIZE)
+
+    def _cost(self, ref: int) -> float:
+        """What an entry costs."""
+        if ref == 0:
+            return 0.0
+        if self.graph.constant_of(ref) is not None:
+            return _CONSTANT
+        return _ENTRY + _OPERATION * min(self._size(ref), _LARGEST_SIZE)
+
+    def _size(self, ref: int) -> int:
+        """Number of arithmetic operations in an expression."""
+        node = ref >> 1
+        if node not in self.sizes:
+            arithmetic = ("add", "sub", "mul", "inv", "sqrt")
+            self.sizes[node] = sum(self.graph.code[n][0] in arithmetic for n in self.graph.reachable([ref]))
+        return self.sizes[node]
+
+
+_UNIT = Exact.of(1)
 
 
 @cache
