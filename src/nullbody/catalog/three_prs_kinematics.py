@@ -39,8 +39,9 @@ def _assemblies(p: Values, known: Values) -> list[dict[str, float]] | None:
     found: list[FloatArray] = []
     for start in _starts(p, s):
         angles = _polished(p, s, start)
-        if angles is not None and not any(np.abs(np.exp(1j * angles) - np.exp(1j * x)).max() < 1e-7 for x in found):
-            found.append(angles)
+        for solution in () if angles is None else (angles, -angles):  # each has its mirror image below the slides
+            if not any(np.abs(np.exp(1j * solution) - np.exp(1j * x)).max() < 1e-7 for x in found):
+                found.append(solution)
     return [_coordinates(p, s, angles) for angles in found]
 
 
@@ -134,8 +135,16 @@ def _inverse(p: Values, pose: Values) -> list[dict[str, float]] | None:
     """
     if "y" not in pose or not set(pose) <= {"y", "psi", "theta", "phi"} or len(pose) != 3:
         return None
-    angles = _tilts(pose)
-    return [found for psi, theta, phi in angles for found in _legs(p, float(pose["y"]), psi, theta, phi)]
+    found: list[dict[str, float]] = []
+    missed: AssemblyError | None = None
+    for tilt in _tilts(pose):
+        try:
+            found += _legs(p, float(pose["y"]), *tilt)
+        except AssemblyError as error:
+            missed = missed or error
+    if missed is not None and not found:
+        raise missed
+    return found
 
 
 def _tilts(pose: Values) -> list[tuple[float, float, float]]:
@@ -144,19 +153,15 @@ def _tilts(pose: Values) -> list[tuple[float, float, float]]:
         psi, phi = float(pose["psi"]), float(pose["phi"])
         if 1 + cos(phi) * cos(psi) < _ROUNDING:
             raise SingularityError("the platform is upside down: psi and phi do not determine theta")
-        sine = -sin(phi) * sin(psi) / (1 + cos(phi) * cos(psi))
-        if abs(sine) > 1:
-            raise AssemblyError(f"no theta holds the platform at psi = {psi:.4g}, phi = {phi:.4g}", loop="leg1")
-        return [(psi, asin(sine), phi)]
+        sine = -sin(phi) * sin(psi) / (1 + cos(phi) * cos(psi))  # within -1..1: 1 + cos(phi +- psi) >= 0
+        return [(psi, asin(max(-1.0, min(1.0, sine))), phi)]
     other = "psi" if "psi" in pose else "phi"
     theta, tilt = float(pose["theta"]), float(pose[other])
     # sin(theta) cos(tilt) cos(x) + sin(tilt) sin(x) = -sin(theta) for the angle x that is not given
     A, B, C = sin(theta) * cos(tilt), sin(tilt), -sin(theta)
-    size = hypot(A, B)
+    size = hypot(A, B)  # at least |C|
     if size < _ROUNDING:
         raise SingularityError(f"theta = 0 and {other} = 0 leave the third angle free: give psi and phi")
-    if abs(C) > size * (1 + _ROUNDING):
-        raise AssemblyError(f"no platform pose has theta = {theta:.4g} and {other} = {tilt:.4g}", loop="leg1")
     middle, half = atan2(B, A), acos(max(-1.0, min(1.0, C / size)))
     third = sorted({middle + half, middle - half}, key=lambda x: abs(atan2(sin(x), cos(x))))
     turned = [atan2(sin(x), cos(x)) for x in third]

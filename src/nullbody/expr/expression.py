@@ -81,8 +81,12 @@ class Expr:
             raise InputError(f"an expression can be raised to an integer power, not to {exponent!r}")
         base = self if exponent >= 0 else 1 / self
         result = Expr(self.graph, self.graph.constant_ref(Exact.of(1)))
-        for _ in range(abs(exponent)):
-            result = result * base
+        power = abs(exponent)
+        while power:  # by repeated squaring
+            if power & 1:
+                result = result * base
+            power >>= 1
+            base = base * base if power else base
         return result
 
     __radd__ = __add__

@@ -153,7 +153,7 @@ def _sum(graph: Graph, ref: int, names: Mapping[int, str], style: _Style) -> tup
     while stack:
         current = stack.pop()
         op, a, b = graph.code[current >> 1]
-        if op in ("add", "sub") and (current >> 1 == ref >> 1 or current >> 1 not in names):
+        if op in ("add", "sub") and current >> 1 not in names:
             sign = current & 1
             stack += [a ^ sign, b ^ sign ^ (op == "sub")]
             continue
@@ -186,9 +186,9 @@ def _product(graph: Graph, node: int, names: Mapping[int, str]) -> _Product:
     while stack:
         current, here, there = stack.pop()
         op, a, b = graph.code[current]
-        if op == "mul" and (current == node or current not in names):
+        if op == "mul" and current not in names:
             stack += [(b >> 1, here, there), (a >> 1, here, there)]
-        elif op == "inv" and (current == node or current not in names):
+        elif op == "inv" and current not in names:
             stack.append((a >> 1, there, here))
         elif op == "const":
             constant = constant * (graph.constants[a] if here is above else graph.constants[a].inverse())

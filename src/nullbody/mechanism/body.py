@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 from nullbody.typing import Scalar, Triple
 
-__all__ = ["GROUND", "Axis", "Body", "Placement", "Rotation"]
+__all__ = ["AXES", "GROUND", "Axis", "Body", "Placement", "Rotation"]
 
 #: The name of the fixed body.
 GROUND = "ground"
 
 Axis = Literal["x", "y", "z", "-x", "-y", "-z"]
+
+#: All axes.
+AXES: tuple[str, ...] = get_args(Axis)
 
 
 @dataclass(frozen=True)

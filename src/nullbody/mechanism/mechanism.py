@@ -8,9 +8,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from nullbody.errors import MechanismError, ParameterError, UnknownName
+from nullbody.errors import ExpressionError, MechanismError, ParameterError, UnknownName
 from nullbody.expr.parse import parse
-from nullbody.mechanism.body import GROUND, Body
+from nullbody.mechanism.body import AXES, GROUND, Body, Placement
 from nullbody.mechanism.joints.base import AbstractLoopJoint, AbstractTreeJoint
 from nullbody.mechanism.parameter import Parameter, check_expression, parameter_values
 from nullbody.typing import Scalar, Triple
@@ -136,6 +136,10 @@ class Mechanism:
                     raise MechanismError(f"the {kind} name {name!r} is used {times} times in {self.name!r}")
                 if kind != "joint" and (not _NAME.fullmatch(name) or name in _RESERVED):
                     raise MechanismError(f"{name!r} cannot name a {kind}: letters, digits and _, not {_reserved()}")
+        for name in self.coordinates:
+            for rate in (f"{name}_dot", f"{name}_ddot"):
+                if rate in kinds["coordinate, parameter or input"]:
+                    raise MechanismError(f"{rate!r} cannot be a name: it stands for a rate of the coordinate {name!r}")
         for joint in self.joints:
             if len(joint.coordinates) != joint.size:
                 raise MechanismError(
@@ -175,35 +179,64 @@ class Mechanism:
                 check_expression(scalar, known, place)
 
     def _scalars(self) -> Iterable[tuple[str, Iterable[Any]]]:
-        yield "gravity", self.gravity
+        yield "gravity", _three(self.gravity, "gravity")
         yield "home", self.home.values()
         for parameter in self.parameters:
             yield f"the default of {parameter.name}", [parameter.default]
         for body in self.bodies:
             if len(body.inertia) not in (3, 6):
                 raise MechanismError(f"body {body.name!r} needs 3 or 6 inertia entries, not {len(body.inertia)}")
-            yield f"body {body.name!r}", [body.mass, *body.centre, *body.inertia]
+            place = f"body {body.name!r}"
+            yield place, [body.mass, *_three(body.centre, place), *body.inertia]
         for joint in self.joints:
-            yield f"joint {joint.name!r}", joint.at.position
-            for rotation in joint.at.rotations:
-                if (rotation.degrees is None) == (rotation.radians is None):
-                    raise MechanismError(f"a rotation of joint {joint.name!r} needs either degrees or radians")
-                yield f"joint {joint.name!r}", [rotation.degrees if rotation.radians is None else rotation.radians]
+            place = f"joint {joint.name!r}"
+            _check_axis(getattr(joint, "axis", "x"), place)
+            yield place, _three(joint.at.position, place)
+            yield place, _angles(joint.at, place)
         for loop in self.loops:
-            yield f"loop {loop.name!r}", [*loop.point_a, *loop.point_b]
+            place = f"loop {loop.name!r}"
+            yield place, [*_three(loop.point_a, place), *_three(loop.point_b, place)]
 
 
 def _reserved() -> str:
     return ", ".join(sorted(_RESERVED))
 
 
+def _three(triple: object, place: str) -> list[Any]:
+    if not isinstance(triple, list | tuple) or len(triple) != 3:
+        raise MechanismError(f"{place} needs three components along x, y, z, not {triple!r}")
+    return list(triple)
+
+
+def _check_axis(axis: object, place: str) -> None:
+    if axis not in AXES:
+        raise MechanismError(f"{place} has the axis {axis!r}; choose one of {', '.join(AXES)}")
+
+
+def _angles(placement: Placement, place: str) -> list[Scalar]:
+    """The angles of a placement's rotations."""
+    angles: list[Scalar] = []
+    for rotation in placement.rotations:
+        _check_axis(rotation.axis, f"a rotation of {place}")
+        if isinstance(rotation.degrees, str):
+            raise MechanismError(f"a rotation of {place} needs a number of degrees; write expressions in radians")
+        given = [angle for angle in (rotation.degrees, rotation.radians) if angle is not None]
+        if len(given) != 1:
+            raise MechanismError(f"a rotation of {place} needs either degrees or radians")
+        angles += given
+    return angles
+
+
 def _check_physical(body: Body, values: Mapping[str, float]) -> None:
     """Mass and principal moments of a rigid body: m >= 0, moments >= 0, none above the sum of the others."""
     import numpy as np
 
-    mass = float(parse(body.mass, values.__getitem__))
-    matrix = np.array([[float(parse(e, values.__getitem__)) for e in row] for row in body.inertia_matrix])
-    if not np.isfinite(mass) or mass < 0:
+    try:
+        mass = float(parse(body.mass, values.__getitem__))
+        matrix = np.array([[float(parse(e, values.__getitem__)) for e in row] for row in body.inertia_matrix])
+    except ExpressionError as error:
+        raise ParameterError(f"body {body.name!r}: {error}") from None
+    if mass < 0:
         raise ParameterError(f"body {body.name!r} would have the mass {mass:g} kg")
     moments = np.linalg.eigvalsh(matrix)
     slack = _INERTIA_SLACK * float(np.abs(moments).max())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Real
 from typing import Literal
@@ -44,7 +44,10 @@ class Parameter:
         what = f"parameter {self.name} ({self.meaning})" if self.meaning else f"parameter {self.name}"
         if isinstance(value, bool) or not isinstance(value, Real):
             raise ParameterError(f"{what} must be a number in {self.unit or 'SI units'}, not {value!r}")
-        number = float(value)
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
         if not math.isfinite(number):
             raise ParameterError(f"{what} must be finite, not {number}")
         if (self.sign == "positive" and number <= 0) or (self.sign == "non-negative" and number < 0):
@@ -75,12 +78,19 @@ def parameter_values(parameters: Sequence[Parameter], given: Mapping[str, object
                 raise MechanismError(f"parameter defaults in a circle: {' -> '.join([*open_names, name])}")
             open_names.append(name)
             parameter = table[name]
-            raw = given[name] if name in given else parse(parameter.default, value)
+            raw = given[name] if name in given else _default(parameter, value)
             values[name] = parameter.check(raw)
             open_names.pop()
         return values[name]
 
     return {name: value(name) for name in table}
+
+
+def _default(parameter: Parameter, value: Callable[[str], float]) -> float:
+    try:
+        return float(parse(parameter.default, value))
+    except ExpressionError as error:
+        raise ParameterError(f"the default of parameter {parameter.name}: {error}") from None
 
 
 def check_expression(source: Scalar, known: set[str], place: str) -> None:

@@ -110,12 +110,9 @@ class _Search:
         for a, b, x, y in zip(one.entries, two.entries, one.values, two.values, strict=True):
             value = (x - step.residue * y) % self.prime
             known = self._multiple(value, a, b) if y and value else None
-            if not value or not y:
-                entries.append(a if value else self.graph.constant(0))
-            elif known is None or a.constant is not None:
-                entries.append(a - b * step.factor)
-            else:
-                entries.append(Expr(self.graph, known[0]) * known[1])
+            if known is not None:  # made first, so that the difference merges with it, and `verify` repeats that
+                self.graph.multiply(known[0], self.graph.constant_ref(known[1]))
+            entries.append(a - b * step.factor if y else a)
         return entries
 
     def _multiple(self, value: int, a: Expr, b: Expr) -> tuple[int, Exact] | None:
