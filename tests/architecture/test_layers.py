@@ -21,7 +21,8 @@ LAYERS = (
     ("simulate",),
     ("control", "analysis", "study", "verify"),
     ("report", "viewer", "export"),
-    ("cli", "__main__"),
+    ("cli",),
+    ("__main__",),  # `python -m nullbody`: one call of the command line
 )
 LAYER = {name: number for number, names in enumerate(LAYERS) for name in names}
 FACE = "__init__"  # nullbody/__init__.py may import anything, and nothing may import it
