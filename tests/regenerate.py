@@ -6,11 +6,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 from tests.cli.help import help_texts
+from tests.docs.api import api_page
+from tests.docs.page import page_texts
 
 __all__ = ["GENERATORS", "regenerate"]
 
 #: Each returns the golden files that it is responsible for, and what belongs into them.
-GENERATORS: tuple[Callable[[], dict[Path, str]], ...] = (help_texts,)
+GENERATORS: tuple[Callable[[], dict[Path, str]], ...] = (help_texts, api_page, page_texts)
 
 
 def regenerate() -> list[Path]:
