@@ -55,14 +55,15 @@ class UnknownName(InputError):
         kind: what the name should be, e.g. "coordinate".
         name: the name that was given.
         known: the names that exist.
+        place: where the name stands, for the message.
     """
 
-    def __init__(self, kind: str, name: object, known: Iterable[str]) -> None:
+    def __init__(self, kind: str, name: object, known: Iterable[str], place: str = "") -> None:
         names = list(known)
         near = [candidate for candidate in names if candidate.lower() == str(name).lower()]
         near = near or get_close_matches(str(name), names, n=1, cutoff=0.5)
         hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(names) or 'none'}"
-        super().__init__(f"there is no {kind} {name!r}; {hint}")
+        super().__init__(f"{place + ': ' if place else ''}there is no {kind} {name!r}; {hint}")
         self.name = name
         self.suggestion = near[0] if near else None
 

@@ -32,9 +32,11 @@ def derive(mechanism: Mechanism, independent: Sequence[str] | None = None) -> Eq
     Raises:
         UnknownName: a name is no coordinate.
         InputError: too few or too many names.
+        ParameterError: a body is not physical.
         MechanismError: a degree of freedom moves no mass.
         SingularityError: |B| is identically zero for this choice; the message names one that would do.
     """
+    mechanism.values()
     graph = Graph()
     scalars = ParameterScalars(graph, tuple(p.name for p in mechanism.parameters))
     names = mechanism.coordinates

@@ -147,10 +147,10 @@ class Mechanism:
                 )
         for actuator in self.actuators:
             if actuator.coordinate not in self.coordinates:
-                raise UnknownName(f"coordinate (of actuator {actuator.name!r})", actuator.coordinate, self.coordinates)
+                raise UnknownName("coordinate", actuator.coordinate, self.coordinates, f"actuator {actuator.name!r}")
         for name in self.home:
             if name not in self.coordinates:
-                raise UnknownName("coordinate (of home)", name, self.coordinates)
+                raise UnknownName("coordinate", name, self.coordinates, "home")
 
     def _check_tree(self) -> None:
         known = [GROUND, *(body.name for body in self.bodies)]
@@ -158,9 +158,9 @@ class Mechanism:
         sides += [(loop.name, side) for loop in self.loops for side in (loop.body_a, loop.body_b)]
         for joint_name, body_name in sides:
             if body_name not in known:
-                raise UnknownName(f"body (of joint {joint_name!r})", body_name, known)
+                raise UnknownName("body", body_name, known, f"joint {joint_name!r}")
         if self.end_effector is not None and self.end_effector not in known:
-            raise UnknownName("body (end effector)", self.end_effector, known)
+            raise UnknownName("body", self.end_effector, known, "end effector")
         children = Counter(joint.child for joint in self.joints)
         for body in self.bodies:
             if children[body.name] != 1:

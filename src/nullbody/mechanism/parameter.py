@@ -103,4 +103,4 @@ def check_expression(source: Scalar, known: set[str], place: str) -> None:
         raise ExpressionError(f"{place}: {error}") from None
     for name in sorted(names):
         if name not in known:
-            raise UnknownName(f"parameter (used in {place})", name, sorted(known))
+            raise UnknownName("parameter", name, sorted(known), place=place)

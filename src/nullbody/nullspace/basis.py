@@ -162,7 +162,7 @@ def _chosen(
 
 def _singular_message(rows: Matrix, chosen: Sequence[int], n: int) -> str:
     found = echelon(rows, [j for j in range(n) if j not in chosen] + list(chosen))
-    text = f"columns {list(chosen)} cannot be the independent ones: the determinant of the others is identically zero"
+    text = f"columns {list(chosen)} cannot be the independent ones: the determinant of the others is"
     if found is None:
-        return text + "; choose other columns, or leave out rows that repeat others"
-    return text + f"; columns {[j for j in range(n) if j not in found.columns]} would do"
+        return text + " zero; choose other columns, or leave out rows that repeat others"
+    return text + f" identically zero; columns {[j for j in range(n) if j not in found.columns]} would do"

@@ -84,7 +84,7 @@ class MultiplierEngine(AbstractEngine):
     """Multipliers in full coordinates from the joints' poses alone; needs nothing installed."""
 
     name = "multipliers"
-    version = "1"
+    version = ""
 
     def __init__(self, mechanism: Mechanism, values: Mapping[str, float], labels: tuple[str, ...]) -> None:
         self.labels = labels

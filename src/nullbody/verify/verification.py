@@ -151,8 +151,9 @@ class Verification:
     def _complaint(self, engine: EngineResult, name: str, found: Discrepancy) -> str:
         place = ", ".join(f"{key} = {value!r}" for key, value in found.worst.positions.items())
         rates = ", ".join(f"{key}' = {value!r}" for key, value in found.worst.rates.items())
+        engine_name = f"{engine.name} {engine.version}".strip()
         return (
-            f"{engine.name} {engine.version} and nullbody disagree on {_QUANTITIES[name]} of {self.mechanism!r} by "
+            f"{engine_name} and nullbody disagree on {_QUANTITIES[name]} of {self.mechanism!r} by "
             f"{found.max_rel_error:.3g} relative (tolerance {self.tolerance:g}) in state {found.state} of "
             f"{self.states}, seed {self.seed}: {found.theirs.tolist()} against {found.ours.tolist()}. "
             f"State: {place}; {rates}"
