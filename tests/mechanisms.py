@@ -16,7 +16,7 @@ from nullbody.mechanism import (
     Spherical,
 )
 
-__all__ = ["four_bar", "slider_crank", "two_bodies"]
+__all__ = ["four_bar", "slider_crank", "tip_mass", "two_bodies"]
 
 
 def _rod(name: str, length: str) -> Body:
@@ -86,4 +86,20 @@ def two_bodies() -> Mechanism:
         actuators=(Actuator("motor", "swing"),),
         parameters=(Parameter("r", 0.3, "m"),),
         gravity=(0.5, -9.81, 1),
+    )
+
+
+def tip_mass() -> Mechanism:
+    """Two massless arms with a point mass at the tip: stretched out, no rate of q2 moves it along the arms."""
+    return Mechanism(
+        name="tip_mass",
+        bodies=(Body("upper"), Body("lower", 1.5, ("r", 0, 0))),
+        joints=(
+            Revolute("shoulder", GROUND, "upper", ("q1",), axis="z"),
+            Revolute("elbow", "upper", "lower", ("q2",), Placement(("r", 0, 0)), axis="z"),
+        ),
+        actuators=(Actuator("t1", "q1"), Actuator("t2", "q2")),
+        parameters=(Parameter("r", 0.4, "m"),),
+        gravity=(0, -9.81, 0),
+        home={"q1": 0.3, "q2": 1.1},
     )

@@ -7,7 +7,9 @@ __all__ = [
     "CLOSED_STEP",
     "EPS",
     "GIVEN_CLOSED",
+    "LARGE_SPREAD",
     "NEWTON_STEPS",
+    "REGULAR_LOSS",
     "REGULAR_SPREAD",
     "SIMULATED_SPREAD",
 ]
@@ -32,6 +34,13 @@ NEWTON_STEPS = 60
 #: The null space loses about EPS |N| relative accuracy near |B| = 0. A result is refused when that exceeds
 #: 1e-9; the kernels return spread = |N|^2 (Frobenius).
 REGULAR_SPREAD = (1e-9 / EPS) ** 2
+
+#: Solving for v' loses about EPS sum_j Mr_jj / D_j (`loss` of the kernels), D the pivots of Mr. A result is refused
+#: when that exceeds 1e-9: some motion then moves next to no mass.
+REGULAR_LOSS = 1e-9 / EPS
+
+#: |N|^2 above which trouble is put down to the independent coordinates: Mr = N^T M N is ill-conditioned there too.
+LARGE_SPREAD = 1e5
 
 #: A simulation stops earlier, at |N| = 1e5: velocities grow as |N| there, and the step would shrink to nothing.
 SIMULATED_SPREAD = 1e10

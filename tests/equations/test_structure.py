@@ -33,7 +33,7 @@ OUTPUTS = {
 ROUTINES = {
     "closure": 114,
     "kinematics": 809,
-    "forward_dynamics": 1252,
+    "forward_dynamics": 1256,
     "inverse_dynamics": 1051,
     "reactions": 631,
     "energy": 101,

@@ -95,7 +95,10 @@ def _independent(x: State) -> FloatArray:
 
 
 def _gain(gain: Gain, n: int, name: str) -> FloatArray:
-    array = np.asarray(gain, dtype=np.float64)
+    try:
+        array = np.asarray(gain, dtype=np.float64)
+    except (TypeError, ValueError):
+        array = np.array(np.nan)
     if array.shape not in ((), (n,)) or not np.isfinite(array).all() or (array < 0).any():
         raise InputError(f"{name} must be one gain or {n} of them, finite and not negative, not {gain!r}")
     return array

@@ -37,7 +37,14 @@ class DesiredMotion:
     rates: tuple[FloatArray, ...]
 
     def state(self, t: float) -> State:
-        """The state in which the independent coordinates and rates are the desired ones."""
+        """The state in which the independent coordinates and rates are the desired ones.
+
+        Raises:
+            InputError: a time outside those that were prepared; far from the knots the branch is not known.
+        """
+        begin, end, slack = self.times[0], self.times[-1], self.times[1] - self.times[0]
+        if not begin - slack <= t <= end + slack:
+            raise InputError(f"the desired motion was prepared for t = {begin:g}..{end:g} s, not for {t:g} s")
         demand, model = self.reference(t), self.model
         q = self._predicted(t)
         independent = [model.coordinates.index(name) for name in model.independent]
@@ -83,9 +90,11 @@ def desired_motion(
         guess: near the branch at t0; the mechanism's home by default.
 
     Raises:
-        InputError: the reference has another number of coordinates.
+        InputError: wrong times, or the reference has another number of coordinates.
         AssemblyError: the reference leaves the reachable set.
     """
+    if not (np.isfinite(t0) and np.isfinite(t1) and t1 > t0):
+        raise InputError(f"the end time t1 = {t1} must be finite and after the start t0 = {t0}")
     if len(reference(t0).position) != len(model.independent):
         raise InputError(
             f"the reference moves {len(reference(t0).position)} coordinates, the model has {len(model.independent)} "

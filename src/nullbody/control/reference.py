@@ -47,7 +47,7 @@ class Sine(AbstractReference):
     phase: float = 0.0
 
     def __post_init__(self) -> None:
-        _check_lengths(self.offset, self.amplitude)
+        _check(self.offset, self.amplitude, self.omega, self.phase)
 
     def __call__(self, t: float) -> Demand:
         """Exact derivatives: amplitude omega cos, -amplitude omega^2 sin."""
@@ -75,8 +75,8 @@ class Quintic(AbstractReference):
     t0: float = 0.0
 
     def __post_init__(self) -> None:
-        _check_lengths(self.start, self.end)
-        if not (np.isfinite(self.duration) and self.duration > 0):
+        _check(self.start, self.end, self.duration, self.t0)
+        if not self.duration > 0:
             raise InputError(f"the duration must be positive, not {self.duration}")
 
     def __call__(self, t: float) -> Demand:
@@ -94,8 +94,13 @@ def paper_reference() -> Sine:
     return Sine((0.6, 0.6, 0.6), (0.2, -0.3, -0.2))
 
 
-def _check_lengths(one: Sequence[float], two: Sequence[float]) -> None:
+def _check(one: Sequence[float], two: Sequence[float], *others: float) -> None:
+    """Both vectors of one length, and every number finite."""
+    try:
+        values = np.array([*one, *two, *others])
+    except (TypeError, ValueError):
+        values = np.array(None)
+    if values.dtype.kind not in "iuf" or not np.isfinite(values).all():
+        raise InputError(f"a reference is made of finite numbers, not {one!r}, {two!r} and {others!r}")
     if len(one) != len(two):
         raise InputError(f"a reference needs as many values on both sides: {len(one)} and {len(two)} were given")
-    if not np.isfinite([*one, *two]).all():
-        raise InputError("a reference must be finite")

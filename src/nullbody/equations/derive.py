@@ -182,7 +182,7 @@ def _routines(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symb
     reduced = reduce(bodies.M, h, N, gamma)
     check = {"delta": space.delta, "spread": total(e * e for row in N for e in row if isinstance(e, Expr))}
     Br = _input_matrix(N, symbols)
-    v_dot = _accelerations(reduced, add(matvec(Br, symbols.u), scale(-1, reduced.hr)))
+    v_dot, loss = _accelerations(reduced, add(matvec(Br, symbols.u), scale(-1, reduced.hr)))
     demanded = acceleration(N, symbols.group("v_dot"), gamma)
     needed = matvec(transpose(N), add(matvec(bodies.M, demanded), h))
     unbalanced = add(symbols.Q, scale(-1, add(matvec(bodies.M, symbols.group("q_ddot")), bodies.h)))
@@ -190,7 +190,9 @@ def _routines(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symb
     routines = {
         "closure": Routine(("q",), {"Phi": [loops.Phi[i] for i in space.rows], "A": [loops.A[i] for i in space.rows]}),
         "kinematics": Routine(("q", "v"), {"N": N, "gamma": gamma, "q_dot": qd, **check}),
-        "forward_dynamics": Routine(("q", "v", "u"), {"q_ddot": acceleration(N, v_dot, gamma), "q_dot": qd, **check}),
+        "forward_dynamics": Routine(
+            ("q", "v", "u"), {"q_ddot": acceleration(N, v_dot, gamma), "q_dot": qd, **check, "loss": loss}
+        ),
         "inverse_dynamics": Routine(
             ("q", "v", "v_dot"), {"Qr": needed, "u": _inputs(Br, needed), "q_ddot": demanded, **check}
         ),
@@ -203,8 +205,8 @@ def _routines(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symb
     }
 
 
-def _accelerations(reduced: Reduced, force: list[Any]) -> list[Any]:
-    """v' with Mr v' = Br u - hr."""
+def _accelerations(reduced: Reduced, force: list[Any]) -> tuple[list[Any], Any]:
+    """v' with Mr v' = Br u - hr, and what solving for it loses."""
     try:
         return solve_symmetric(reduced.Mr, force)
     except ZeroDivisionError:

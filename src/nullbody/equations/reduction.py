@@ -34,8 +34,12 @@ def reduce(M: Matrix, h: Vector, N: Matrix, gamma: Vector) -> Reduced:
     return Reduced(Mr, matvec(rows, add(h, matvec(M, gamma))))
 
 
-def solve_symmetric(matrix: Matrix, right: Sequence[Any]) -> list[Any]:
-    """x with S x = r for a positive definite S, by S = L D L^T without square roots."""
+def solve_symmetric(matrix: Matrix, right: Sequence[Any]) -> tuple[list[Any], Any]:
+    """x with S x = r for a positive definite S, by S = L D L^T without square roots, and what it loses.
+
+    Returns:
+        x, and sum_j S_jj / D_j: n for a diagonal S, 1e16 where S is singular to rounding.
+    """
     n = len(right)
     L: list[list[Any]] = [[0] * n for _ in range(n)]
     D: list[Any] = []
@@ -52,7 +56,7 @@ def solve_symmetric(matrix: Matrix, right: Sequence[Any]) -> list[Any]:
     x: list[Any] = scale(1, [a * b for a, b in zip(y, inverse, strict=True)])
     for i in reversed(range(n)):
         x[i] = total((x[i], -dot([L[k][i] for k in range(i + 1, n)], x[i + 1 :])))
-    return x
+    return x, total(matrix[j][j] * inverse[j] for j in range(n))
 
 
 def acceleration(N: Matrix, v_dot: Sequence[Any], gamma: Vector) -> list[Any]:

@@ -17,15 +17,22 @@ __all__ = ["assemble", "known_coordinates", "start_coordinates"]
 _SMALLEST_STEP = 1e-4  # of the way from the guess to the target
 _LARGEST_CORRECTION = 0.15  # [m, rad] by which Newton may correct a predicted point on the same branch
 _PERTURBED_STARTS = 24
+_END_OF_BRANCH = 1e8  # condition number of the free columns
 
 
 def assemble(
-    model: Model, known: Mapping[str, float], v: object = None, guess: State | Mapping[str, float] | None = None
+    model: Model,
+    known: Mapping[str, float],
+    v: object = None,
+    guess: State | Mapping[str, float] | None = None,
+    *,
+    same_branch: bool = False,
 ) -> State:
     """The state in which some coordinates have given values and all loops are closed, |Phi| <= 1e-14 m.
 
     The branch (assembly mode) is the one that continues the guess: known coordinates are moved from their
-    values there to the given ones, with tangent steps and Newton corrections.
+    values there to the given ones, with tangent steps and Newton corrections. Where that branch ends before
+    the target, the assembly nearest to the guess is taken.
 
     Args:
         model: the model.
@@ -33,6 +40,7 @@ def assemble(
             others stay near the guess.
         v: independent rates, in order or by name; at rest by default.
         guess: a state or coordinates near the wanted branch; the mechanism's home by default.
+        same_branch: raise where the branch of the guess ends before the target.
 
     Raises:
         UnknownName, InputError: unknown names, too many, or values that are no finite numbers.
@@ -51,6 +59,8 @@ def assemble(
     closed, reach = path.followed(start)
     if not closed.converged:
         closed = path.searched(start, closed)
+        if closed.converged and same_branch:
+            raise _branch_ends(known, reach, path)
     if not closed.converged:
         raise _unreachable(model, known, closed, reach, path)
     return model.trusted_state(closed.q, rate)
@@ -96,6 +106,11 @@ class _Path:
     begin: FloatArray
     target: FloatArray
 
+    def at(self, part: float) -> str:
+        """The known coordinates after some part of the way, as a text."""
+        values = self.begin + part * (self.target - self.begin)
+        return ", ".join(f"{self.model.coordinates[i]} = {x:.4g}" for i, x in zip(self.fixed, values, strict=True))
+
     def followed(self, start: FloatArray) -> tuple[Closed, float]:
         """Continue from the guess; the result at the target, or where it ended, and the part of the way covered."""
         here = close_loops(self.model, start, self.free)
@@ -117,12 +132,19 @@ class _Path:
         """Tangent prediction and Newton correction to a point of the way; None if they do not belong together."""
         predicted = q.copy()
         predicted[self.fixed] = self.begin + where * (self.target - self.begin) if where < 1.0 else self.target
-        A = self.model.jacobian(q)
+        A, side = self.model.jacobian(q), self._side(q)
         moved = predicted[self.fixed] - q[self.fixed]
         predicted[self.free] += np.linalg.lstsq(A[:, self.free], -A[:, self.fixed] @ moved, rcond=1e-6)[0]
         closed = close_loops(self.model, predicted, self.free)
         near = float(np.abs(closed.q - predicted).max(initial=0.0)) <= _LARGEST_CORRECTION
-        return closed if closed.converged and near else None
+        return closed if closed.converged and near and side * self._side(closed.q) >= 0 else None
+
+    def _side(self, q: FloatArray) -> float:
+        """Sign of |A_free|, which no branch changes between its ends; 0 where it is not square, or at an end."""
+        A = self.model.jacobian(q)[:, self.free]
+        if A.shape[0] != A.shape[1] or not A.size or np.linalg.cond(A) > _END_OF_BRANCH:
+            return 0.0
+        return float(np.linalg.slogdet(A)[0])
 
     def searched(self, start: FloatArray, last: Closed) -> Closed:
         """Newton at the target from the guess and from starts around it; the solution nearest to the guess."""
@@ -161,7 +183,19 @@ class _Path:
         fit = least_squares(gaps, q[self.free].copy(), jac=slopes, method="trf", x_scale=1.0)
         q[self.free] = fit.x
         residual = float(np.abs(fit.fun).max(initial=0.0))
-        return Closed(q, residual, closed.steps, closed.moved, converged=residual <= closed_to(q))
+        return Closed(
+            q, residual, closed.steps, closed.moved, converged=residual <= closed_to(self.model.jacobian(q), q)
+        )
+
+
+def _branch_ends(known: Mapping[str, float], reach: float, path: _Path) -> AssemblyError:
+    wanted = ", ".join(f"{name} = {float(value):.4g}" for name, value in known.items())
+    return AssemblyError(
+        f"the branch of the guess ends before {wanted}: these coordinates become singular after {reach:.0%} of the "
+        f"way, at {path.at(reach)}. nullbody.branches lists other assemblies; a detour may lead around",
+        gap=0.0,
+        reach=reach,
+    )
 
 
 def _unreachable(model: Model, known: Mapping[str, float], closed: Closed, reach: float, path: _Path) -> AssemblyError:
@@ -171,12 +205,10 @@ def _unreachable(model: Model, known: Mapping[str, float], closed: Closed, reach
         loop = label.split()[0]
         gaps[loop] = float(np.hypot(gaps.get(loop, 0.0), component))
     worst = max(gaps, key=lambda loop: gaps[loop])
-    at = path.begin + reach * (path.target - path.begin)
-    reached = ", ".join(f"{model.coordinates[i]} = {x:.4g}" for i, x in zip(path.fixed, at, strict=True))
     wanted = ", ".join(f"{name} = {float(value):.4g}" for name, value in known.items())
     return AssemblyError(
         f"the loops cannot be closed for {wanted}: loop {worst!r} stays open by {gaps[worst]:.3g} m at best. "
-        f"Coming from the guess, they close over {reach:.0%} of the way, up to {reached}. "
+        f"Coming from the guess, they close over {reach:.0%} of the way, up to {path.at(reach)}. "
         "Choose values nearer to that, other lengths, or a guess on another branch",
         loop=worst,
         gap=gaps[worst],

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nullbody.catalog import closed_form_of
-from nullbody.errors import InputError
+from nullbody.errors import InputError, SingularityError
 from nullbody.kinematics.assemble import assemble, known_coordinates, start_coordinates
 from nullbody.kinematics.newton import close_loops
 from nullbody.model import Model, State
@@ -17,6 +17,7 @@ from nullbody.typing import FloatArray, IndexArray
 __all__ = ["Branches", "branches", "inverse_kinematics"]
 
 _STARTS = 400
+_SINGULAR = 1e-7  # ratio of singular values: Newton stops that far from a singular end
 _SAME = 1e-6  # [m, rad] two assemblies that differ by less are one
 
 
@@ -104,13 +105,28 @@ def inverse_kinematics(
     start = start_coordinates(model, guess)
     candidates = closed_form.inverse(model.parameters, pose) if closed_form else None
     if candidates is None:
-        return assemble(model, pose, guess=guess)
+        return _determined(model, assemble(model, pose, guess=guess), pose, fixed)
     rest = np.zeros(len(model.independent))
     found = [np.array([candidate[name] for name in model.coordinates]) for candidate in candidates]
-    q = min(found, key=lambda q: _distance(model, q, start))
+    q = _turned(model, min(found, key=lambda q: _distance(model, q, start)), start)
     q[fixed] = values
     free = np.setdiff1d(np.arange(len(q)), fixed)
-    return model.trusted_state(close_loops(model, q, free).q, rest)
+    closed = close_loops(model, q, free)
+    if not closed.converged:
+        return assemble(model, pose, guess=dict(zip(model.coordinates, q.tolist(), strict=True)))
+    return model.trusted_state(closed.q, rest)
+
+
+def _determined(model: Model, state: State, pose: Mapping[str, float], fixed: IndexArray) -> State:
+    """The state, if the pose determines it: the other coordinates cannot move with the pose held."""
+    free = np.setdiff1d(np.arange(len(state.q)), fixed)
+    sizes = np.linalg.svd(model.jacobian(state.q)[:, free], compute_uv=False)
+    if sizes[-1] < _SINGULAR * sizes[0]:
+        raise SingularityError(
+            f"{', '.join(pose)} do not determine {model.mechanism.name!r} here (smallest to largest singular value "
+            f"{sizes[-1] / sizes[0]:.1e}). Give other end-effector coordinates"
+        )
+    return state
 
 
 def _random_starts(model: Model, start: FloatArray, fixed: IndexArray, values: FloatArray) -> list[FloatArray]:
@@ -128,6 +144,13 @@ def _wrapped(model: Model, q: FloatArray) -> FloatArray:
     """Angles within (-pi, pi]; no equation of a mechanism changes by that."""
     angles = [model.mechanism.units[name] == "rad" for name in model.coordinates]
     turned: FloatArray = np.where(angles, np.pi - np.mod(np.pi - q, 2 * np.pi), q)
+    return turned
+
+
+def _turned(model: Model, q: FloatArray, guess: FloatArray) -> FloatArray:
+    """Angles within half a turn of the guess's."""
+    angles = [model.mechanism.units[name] == "rad" for name in model.coordinates]
+    turned: FloatArray = np.where(angles, q + 2 * np.pi * np.round((guess - q) / (2 * np.pi)), q)
     return turned
 
 

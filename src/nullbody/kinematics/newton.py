@@ -27,9 +27,13 @@ class Closed(NamedTuple):
     converged: bool
 
 
-def closed_to(q: FloatArray) -> float:
-    """|Phi| at which loops count as closed [m]: 1e-14, or 64 roundings of the longest length where that is more."""
-    return max(CLOSED, 64 * EPS * float(np.abs(q).max(initial=1.0)))
+def closed_to(A: FloatArray, q: FloatArray) -> float:
+    """|Phi| at which loops count as closed [m]: 1e-14, or 32 roundings of the lengths where that is more.
+
+    The lengths are max_i sum_j |A_ij| max(|q_j|, 1): levers times angles, and displacements.
+    """
+    lengths = np.abs(A) @ np.maximum(np.abs(q), 1.0)
+    return max(CLOSED, 32 * EPS * float(lengths.max(initial=0.0)))
 
 
 def close_loops(model: Model, q: FloatArray, free: IndexArray) -> Closed:
@@ -62,7 +66,7 @@ def close_loops(model: Model, q: FloatArray, free: IndexArray) -> Closed:
         residual = float(np.abs(Phi).max(initial=0.0))
         if length <= _SETTLED:
             break
-    return Closed(q, residual, step + 1, moved, converged=bool(residual <= closed_to(q)))
+    return Closed(q, residual, step + 1, moved, converged=bool(residual <= closed_to(A, q)))
 
 
 def _newton_step(A: FloatArray, Phi: FloatArray) -> FloatArray:

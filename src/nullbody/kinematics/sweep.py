@@ -22,13 +22,13 @@ def sweep(
         guess: near the branch of the first point; the mechanism's home by default.
 
     Raises:
-        AssemblyError: the path leaves the reachable set; the message says at which point.
+        AssemblyError: the path leaves the reachable set, or the branch ends; the message says at which point.
     """
     states: list[State] = []
     here = guess
     for number, known in enumerate(path):
         try:
-            here = assemble(model, known, guess=here)
+            here = assemble(model, known, guess=here, same_branch=number > 0)
         except AssemblyError as error:
             raise AssemblyError(
                 f"point {number + 1} of {len(path)} of the path: {error}",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
 from nullbody.equations import Equations, flat, shape
 from nullbody.errors import InputError
@@ -33,7 +34,7 @@ def build(equations: Equations, parameters: Mapping[str, float] | None = None) -
         mechanism=equations.mechanism,
         independent=equations.independent,
         labels=equations.labels,
-        given=given,
+        given=MappingProxyType(given),
         values=tuple(values.values()),
         library=library,
     )

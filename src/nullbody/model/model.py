@@ -14,7 +14,7 @@ from nullbody.errors import InputError, SingularityError, StateError
 from nullbody.kernels import Library
 from nullbody.mechanism import Mechanism
 from nullbody.model.state import State, vector
-from nullbody.tolerances import EPS, GIVEN_CLOSED, REGULAR_SPREAD
+from nullbody.tolerances import GIVEN_CLOSED, LARGE_SPREAD, REGULAR_LOSS, REGULAR_SPREAD
 from nullbody.typing import FloatArray
 
 __all__ = ["Energy", "Model", "NullSpaceValues"]
@@ -93,7 +93,7 @@ class Model:
             UnknownName, ParameterError: unknown or non-physical values.
         """
         given = {**self.given, **values}
-        return replace(self, given=given, values=tuple(self.mechanism.values(given).values()))
+        return replace(self, given=MappingProxyType(given), values=tuple(self.mechanism.values(given).values()))
 
     # -- states ---------------------------------------------------------------------------------------------
 
@@ -111,7 +111,7 @@ class Model:
         position = vector(q, self.coordinates, "coordinate")
         rate = np.zeros(len(self.independent)) if v is None else vector(v, self.independent, "independent rate")
         residual = self.residual(position)
-        if len(residual) and np.abs(residual).max() > GIVEN_CLOSED:
+        if not np.abs(residual).max(initial=0.0) <= GIVEN_CLOSED:
             worst = int(np.abs(residual).argmax())
             raise StateError(
                 f"loop {self.labels[worst].split()[0]!r} is open by {abs(residual[worst]):.3g} m "
@@ -141,8 +141,8 @@ class Model:
         return self.evaluate("closure", q)[0]
 
     def jacobian(self, q: FloatArray) -> FloatArray:
-        """A(q) = dPhi/dq, without any check."""
-        return self.evaluate("closure", q)[1]
+        """A(q) = dPhi/dq, nc x nq, without any check."""
+        return self.evaluate("closure", q)[1].reshape(len(self.labels), len(self.coordinates))
 
     def null_space(self, state: State) -> NullSpaceValues:
         """N, gamma and delta at a state: q' = N v, q'' = N v' + gamma.
@@ -184,9 +184,7 @@ class Model:
         Raises:
             SingularityError: |B| vanishes for these independent coordinates.
         """
-        q_ddot, _, delta, spread = self.evaluate("forward_dynamics", state.q, state.v, self.input_vector(u))
-        self._check_regular(spread, delta, q_ddot)
-        return q_ddot
+        return self._forward(state, self.input_vector(u))[0]
 
     def inverse_dynamics(self, state: State, v_dot: object) -> FloatArray:
         """u with Br u = Mr v' + hr: the inputs for given independent accelerations [42].
@@ -206,9 +204,10 @@ class Model:
                 f"{self.mechanism.name!r} has {len(self.inputs)}. `generalized_forces` gives N^T Q instead"
             )
         _, u, _, delta, spread = self.evaluate("inverse_dynamics", state.q, state.v, wanted)
-        self._check_regular(spread, delta, u)
-        if len(u) != len(self.inputs):
-            raise SingularityError(f"the inputs {', '.join(self.inputs)} cannot drive all degrees of freedom anywhere")
+        self._check_regular(spread, delta)
+        if len(u) != len(self.inputs) or not np.isfinite(u).all():
+            where = "anywhere" if len(u) != len(self.inputs) else "here: some motion needs no work of theirs"
+            raise SingularityError(f"the inputs {', '.join(self.inputs)} cannot drive all degrees of freedom {where}")
         return u
 
     def generalized_forces(self, state: State, v_dot: object) -> FloatArray:
@@ -219,7 +218,7 @@ class Model:
         """
         wanted = vector(v_dot, self.independent, "independent acceleration")
         Qr, _, _, delta, spread = self.evaluate("inverse_dynamics", state.q, state.v, wanted)
-        self._check_regular(spread, delta, Qr)
+        self._check_regular(spread, delta)
         return Qr
 
     def reactions(self, state: State, u: object = None) -> FloatArray:
@@ -234,8 +233,7 @@ class Model:
             SingularityError: |B| vanishes for these independent coordinates.
         """
         inputs = self.input_vector(u)
-        q_ddot, q_dot, delta, spread = self.evaluate("forward_dynamics", state.q, state.v, inputs)
-        self._check_regular(spread, delta, q_ddot)
+        q_ddot, q_dot = self._forward(state, inputs)
         return self.evaluate("reactions", state.q, q_dot, inputs, q_ddot)[0]
 
     def energy(self, state: State) -> Energy:
@@ -253,19 +251,27 @@ class Model:
         """Inputs as a vector; None is zero, a mapping is by name."""
         return np.zeros(len(self.inputs)) if u is None else vector(u, self.inputs, "input")
 
-    def _check_regular(self, spread: FloatArray, delta: FloatArray, result: FloatArray | None = None) -> None:
-        if spread < REGULAR_SPREAD and (result is None or np.isfinite(result).all()):
-            return
-        if not spread < REGULAR_SPREAD:
-            size = float(np.sqrt(spread)) if np.isfinite(spread) else float("inf")
+    def _forward(self, state: State, inputs: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(q'', q') for given inputs, checked."""
+        q_ddot, q_dot, delta, spread, loss = self.evaluate("forward_dynamics", state.q, state.v, inputs)
+        lost = not abs(loss) < REGULAR_LOSS or not np.isfinite(q_ddot).all()
+        self._check_regular(spread, delta, LARGE_SPREAD if lost else REGULAR_SPREAD)
+        if lost:
             raise SingularityError(
-                f"the independent coordinates {', '.join(self.independent)} are singular here: |B| = {float(delta):.3g}, "
-                f"|N| = {size:.3g}, so results would lose {min(16.0, np.log10(max(size * EPS, EPS) / EPS)):.0f} of 16 "
-                "digits. Derive with other independent coordinates, or stay away from this configuration"
+                "the reduced mass matrix is singular here: a motion of the mechanism moves no mass, or next to none. "
+                "Check the masses and inertias"
             )
+        return q_ddot, q_dot
+
+    def _check_regular(self, spread: FloatArray, delta: FloatArray, limit: float = REGULAR_SPREAD) -> None:
+        if spread < limit:
+            return
+        size = float(np.sqrt(spread)) if np.isfinite(spread) else float("inf")
+        lost = min(16.0, max(0.0, np.log10(size)))
         raise SingularityError(
-            "the reduced mass matrix is singular here: a motion of the mechanism moves no mass. "
-            "Check the masses and inertias"
+            f"the independent coordinates {', '.join(self.independent)} are singular here: "
+            f"|B| = {float(delta):.3g}, |N| = {size:.3g}, so results would lose {lost:.0f} of 16 digits. "
+            "Derive with other independent coordinates, or stay away from this configuration"
         )
 
     def __repr__(self) -> str:

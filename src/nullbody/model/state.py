@@ -56,8 +56,10 @@ class State:
         return f"<State {shown}; {rates}>"
 
 
-def vector(values: object, names: tuple[str, ...], kind: str) -> FloatArray:
+def vector(values: object, names: tuple[str, ...], kind: str, *, finite: bool = True) -> FloatArray:
     """A new float64 vector in the order of `names`, from a sequence, an array or a mapping by name.
+
+    With `finite=False` the caller judges NaN and infinity.
 
     Raises:
         UnknownName: a mapping has a name that does not exist.
@@ -72,14 +74,17 @@ def vector(values: object, names: tuple[str, ...], kind: str) -> FloatArray:
             raise InputError(f"values are missing for {kind} {', '.join(missing)}")
         values = [values[name] for name in names]
     try:
-        array = np.array(values, dtype=np.float64)
+        raw = np.asarray(values)
+        if raw.dtype.kind not in "iufO" or any(isinstance(x, str) for x in raw.flat if raw.dtype.kind == "O"):
+            raise TypeError("texts, truth values and complex numbers would convert")
+        array = np.array(raw, dtype=np.float64)
     except (TypeError, ValueError):
-        raise InputError(f"{kind} values must be numbers, not {values!r}") from None
+        raise InputError(f"{kind} values must be real numbers, not {values!r}") from None
     if array.shape != (len(names),):
         raise InputError(
             f"{len(names)} {kind} values are needed ({', '.join(names)}), not an array of shape {array.shape}"
         )
-    if not np.isfinite(array).all():
+    if finite and not np.isfinite(array).all():
         bad = names[int(np.flatnonzero(~np.isfinite(array))[0])]
         raise InputError(f"{kind} {bad} must be finite, not {array[names.index(bad)]}")
     return array

@@ -134,7 +134,7 @@ def _free_swing(model: Model, start: State, end: float) -> tuple[FloatArray, Flo
     free = [model.coordinates.index(name) for name in model.independent]
 
     def rate(t: float, y: FloatArray) -> FloatArray:
-        q_ddot, q_dot, _, _ = model.evaluate("forward_dynamics", y[:nq], y[nq:], zero)
+        q_ddot, q_dot, _, _, _ = model.evaluate("forward_dynamics", y[:nq], y[nq:], zero)
         return np.concatenate([q_dot, q_ddot[free]])
 
     times, states = _runge_kutta(rate, np.concatenate([start.q, start.v]), end)

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nullbody.errors import SingularityError
 from nullbody.kinematics import project
 from nullbody.kinematics.newton import closed_to
 from nullbody.model import Model, State
 from nullbody.simulate.outcome import Outcome
-from nullbody.tolerances import CLOSED_STEP, SIMULATED_SPREAD
+from nullbody.tolerances import CLOSED_STEP, LARGE_SPREAD, REGULAR_LOSS, SIMULATED_SPREAD
 from nullbody.typing import FloatArray
 
 __all__ = ["Integration", "Run"]
@@ -59,14 +60,40 @@ class Integration:
         self.nq, self.nv = len(model.coordinates), len(model.independent)
         self._independent = [model.coordinates.index(name) for name in model.independent]
         self._actuated = [model.coordinates.index(name) for name in model.mechanism.actuated]
+        self._side = 0.0  # sign of |B| at the start
+        self._refused: Outcome | None = None  # why the last refused step was refused
 
     def rate(self, t: float, y: FloatArray) -> FloatArray:
-        """y'"""
+        """y', or NaN where the integrator must not go: beyond |B| = 0, or where an input is not finite.
+
+        It rejects such a step and tries a shorter one, until it stands right before that point.
+        """
+        if not np.isfinite(y).all():  # a later stage of a step that is refused already
+            return np.full(len(y), np.nan)
         q, v = y[: self.nq], y[self.nq : self.nq + self.nv]
-        u = self.u(t, self.model.trusted_state(q.copy(), v.copy()))
-        q_ddot, q_dot, _, _ = self.model.evaluate("forward_dynamics", q, v, u)
+        try:
+            u = self.u(t, self.model.trusted_state(q.copy(), v.copy()))
+        except SingularityError:  # of a controller that inverts the model
+            return self._refuse(Outcome.SINGULAR_INDEPENDENT_SET, y)
+        if not np.isfinite(u).all():
+            return self._refuse(Outcome.NOT_FINITE, y)
+        q_ddot, q_dot, delta, spread, loss = self.model.evaluate("forward_dynamics", q, v, u)
+        if np.sign(delta) != self._side:
+            return self._refuse(Outcome.SINGULAR_INDEPENDENT_SET, y)
+        if spread < LARGE_SPREAD and not (abs(loss) < REGULAR_LOSS and np.isfinite(q_ddot).all()):
+            return self._refuse(Outcome.SINGULAR_MASS_MATRIX, y)
         power = u @ q_dot[self._actuated]
         return np.concatenate([q_dot, q_ddot[self._independent], [power]])
+
+    def _refuse(self, why: Outcome, y: FloatArray) -> FloatArray:
+        self._refused = why
+        return np.full(len(y), np.nan)
+
+    def energy(self, x: State) -> tuple[float, float]:
+        """Kinetic and potential energy [J], also right before a singularity."""
+        _, _, q_dot, _, _ = self.model.evaluate("kinematics", x.q, x.v)
+        T, U = self.model.evaluate("energy", x.q, q_dot)
+        return float(T), float(U)
 
     def run(self, state: State, t0: float, t1: float, advance: Callable[[float], None]) -> Run:
         """Step until t1, or until something named in `Outcome` stops it."""
@@ -74,12 +101,15 @@ class Integration:
 
         y0 = np.concatenate([state.q, state.v, [0.0]])
         energy = self.model.energy(state).total
+        self._side = float(np.sign(self.model.null_space(state).delta))
         if not np.isfinite(self.rate(t0, y0)).all():
             return self._ended(t0, y0, energy)
-        solver = DOP853(self.rate, t0, y0, t1, rtol=self.rtol, atol=self.atol, max_step=self.max_step)
+        with np.errstate(all="ignore"):
+            solver = DOP853(self.rate, t0, y0, t1, rtol=self.rtol, atol=self.atol, max_step=self.max_step)
         knots, states, pieces, projections = [t0], [y0], [], 0
         outcome, note = Outcome.COMPLETED, ""
         while solver.status == "running":
+            self._refused = None
             with np.errstate(all="ignore"):  # trial steps into a singularity are rejected
                 message = solver.step()
             if solver.status == "failed":
@@ -94,7 +124,9 @@ class Integration:
             knots.append(float(solver.t))
             states.append(solver.y.copy())
             advance(float(solver.t))
-            outcome, note = self._inspected(solver.y, open_by, len(pieces))
+            outcome, note = self._inspected(solver.y, open_by)
+            if outcome.ok and len(pieces) >= self.max_steps and solver.status == "running":
+                outcome, note = Outcome.TOO_MANY_STEPS, f" ({len(pieces)} steps)"
             if not outcome.ok:
                 break
         return Run(
@@ -113,15 +145,14 @@ class Integration:
         q, residual = project(self.model, y[: self.nq])
         return np.concatenate([q, y[self.nq :]]), residual
 
-    def _inspected(self, y: FloatArray, open_by: float, steps: int) -> tuple[Outcome, str]:
+    def _inspected(self, y: FloatArray, open_by: float) -> tuple[Outcome, str]:
         """Whether to go on after a step."""
-        if not open_by <= 10 * closed_to(y[: self.nq]):
+        q = y[: self.nq]
+        if not open_by <= CLOSED_STEP and not open_by <= 10 * closed_to(self.model.jacobian(q), q):
             return Outcome.LOOPS_OPEN, f" (|Phi| = {open_by:.1e} m)"
         _, _, _, delta, spread = self.model.evaluate("kinematics", y[: self.nq], y[self.nq : self.nq + self.nv])
         if not spread < SIMULATED_SPREAD:
             return self._singular(float(delta), float(spread))
-        if steps >= self.max_steps:
-            return Outcome.TOO_MANY_STEPS, f" ({steps} steps)"
         return Outcome.COMPLETED, ""
 
     def _singular(self, delta: float, spread: float) -> tuple[Outcome, str]:
@@ -134,14 +165,16 @@ class Integration:
     def _failed(self, y: FloatArray, message: str | None) -> tuple[Outcome, str]:
         """Name a step that could not be made: close to a singularity it is that."""
         _, _, _, delta, spread = self.model.evaluate("kinematics", y[: self.nq], y[self.nq : self.nq + self.nv])
-        if not spread < np.sqrt(SIMULATED_SPREAD):
+        if self._refused in (Outcome.NOT_FINITE, Outcome.SINGULAR_MASS_MATRIX):
+            return self._refused, ""
+        if self._refused is not None or not spread < LARGE_SPREAD:
             return self._singular(float(delta), float(spread))
         return Outcome.STEP_TOO_SMALL, f" ({message})" if message else ""
 
     def _ended(self, t0: float, y0: FloatArray, energy: float) -> Run:
         """A run that could not take its first step."""
         _, _, _, delta, spread = self.model.evaluate("kinematics", y0[: self.nq], y0[self.nq : self.nq + self.nv])
-        outcome, note = Outcome.NOT_FINITE, ""
+        outcome, note = self._refused or Outcome.NOT_FINITE, ""
         if not spread < SIMULATED_SPREAD:
             outcome, note = self._singular(float(delta), float(spread))
         return Run(np.array([t0]), y0[None, :], (), outcome, note, 1, 0, energy)

@@ -15,6 +15,10 @@ class Outcome(Enum):
         "the chosen independent coordinates become singular (|B| -> 0): a forward singularity, where the mechanism "
         "itself may well move on. Derive with other independent coordinates to go through"
     )
+    SINGULAR_MASS_MATRIX = (
+        "the reduced mass matrix becomes singular: some motion moves no mass, or next to none, in this configuration. "
+        "Check the masses and inertias"
+    )
     STEP_TOO_SMALL = (
         "the step became smaller than the spacing of floating-point numbers: the motion is too stiff or not smooth, "
         "often a discontinuous input. Check u(t, x), or loosen rtol"

@@ -78,16 +78,17 @@ class Trajectory:
     _knots: FloatArray
     _pieces: tuple[Callable[[float], FloatArray], ...]
 
-    def __getitem__(self, name: str) -> FloatArray:
+    def __getitem__(self, name: object) -> FloatArray:
         """A coordinate over the stored samples, by name; `name'` (with a prime) is the rate of an independent one."""
         model = self.model
         if name in model.coordinates:
             return self.q[:, model.coordinates.index(name)]
-        if name.endswith("'") and name[:-1] in model.independent:
+        if isinstance(name, str) and name.endswith("'") and name[:-1] in model.independent:
             return self.v[:, model.independent.index(name[:-1])]
         if name in model.inputs:
             return self.u[:, model.inputs.index(name)]
-        raise UnknownName("coordinate, rate or input", name, (*model.coordinates, *model.inputs))
+        rates = (f"{rate}'" for rate in model.independent)
+        raise UnknownName("coordinate, rate or input", name, (*model.coordinates, *rates, *model.inputs))
 
     def __len__(self) -> int:
         return len(self.t)
@@ -103,8 +104,11 @@ class Trajectory:
         Raises:
             InputError: a time outside the simulation.
         """
-        times = np.atleast_1d(np.asarray(t, dtype=np.float64))
         first, last = self._knots[0], self._knots[-1]
+        try:
+            times = np.atleast_1d(np.asarray(t, dtype=np.float64))
+        except (TypeError, ValueError):
+            times = np.array([np.nan])
         if times.ndim != 1 or not np.isfinite(times).all() or (times < first).any() or (times > last).any():
             raise InputError(f"times must be a list within {first:g}..{last:g} s, what was simulated")
         nq = len(self.model.coordinates)

@@ -1,0 +1,93 @@
+"""Models of other mechanisms: inputs that are too few, too many or useless, and motions without mass."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nullbody import InputError, MechanismError, Model, SingularityError, assemble, build, derive
+from nullbody.mechanism import Actuator, Body
+from tests.mechanisms import four_bar, slider_crank, tip_mass, two_bodies
+
+
+def driven(*actuators: Actuator) -> Model:
+    return build(derive(replace(four_bar(), actuators=actuators), ("q1",)))
+
+
+@pytest.mark.parametrize(
+    ("actuators", "count"), [((), 0), ((Actuator("t1", "q1"), Actuator("t3", "q3")), 2)], ids=["none", "two"]
+)
+def test_inverse_dynamics_needs_as_many_inputs(actuators: tuple[Actuator, ...], count: int) -> None:
+    model = driven(*actuators)
+    state = assemble(model, {"q1": 1.3}, v=[0.5])
+    message = f"one input for each of the 1 degrees of freedom; 'four_bar' has {count}.*generalized_forces"
+    with pytest.raises(InputError, match=message):
+        model.inverse_dynamics(state, [0.0])
+    assert model.generalized_forces(state, [0.0]).shape == (1,)
+
+
+def test_without_inputs_it_still_moves() -> None:
+    model = driven()
+    state = assemble(model, {"q1": 1.3}, v=[0.5])
+    q_ddot = model.forward_dynamics(state)
+    assert model.generalized_forces(state, q_ddot[:1]) == pytest.approx([0.0], abs=1e-13)
+    assert model.reactions(state, ()).shape == (2,)
+
+
+def test_two_inputs_on_one_degree_of_freedom_add_up() -> None:
+    model, single = driven(Actuator("t1", "q1"), Actuator("t3", "q3")), driven(Actuator("t1", "q1"))
+    state = assemble(model, {"q1": 1.3}, v=[0.5])
+    ratio = model.null_space(state).N[2, 0]
+    np.testing.assert_allclose(
+        model.forward_dynamics(state, (0.2, 0.7)), single.forward_dynamics(state, [0.2 + 0.7 * ratio]), rtol=1e-12
+    )
+
+
+def test_inputs_that_cannot_drive_here_are_named() -> None:
+    model = build(derive(slider_crank(), ("alpha",)))
+    dead = assemble(model, {"alpha": 0.0}, v=[1.0])
+    assert np.isfinite(model.forward_dynamics(dead, [1.0])).all()
+    with pytest.raises(SingularityError, match="the inputs push cannot drive all degrees of freedom here"):
+        model.inverse_dynamics(dead, [1.0])
+
+
+def test_independent_slider_is_singular_at_the_dead_centre() -> None:
+    model = build(derive(slider_crank(), ("s",)))
+    dead = assemble(model, {"s": 0.45}, v=[1.0])
+    with pytest.raises(SingularityError, match=r"the independent coordinates s are singular here"):
+        model.forward_dynamics(dead, [1.0])
+
+
+def test_motion_without_any_mass() -> None:
+    massless = replace(four_bar(), bodies=tuple(Body(name) for name in ("crank", "coupler", "rocker")))
+    with pytest.raises(MechanismError, match="some motion moves no mass"):
+        build(derive(massless))
+
+
+def test_mechanism_without_loops() -> None:
+    model = build(derive(two_bodies()))
+    state = assemble(model, {"swing": 0.4}, v=np.arange(8.0))
+    N, gamma, delta = model.null_space(state)
+    np.testing.assert_array_equal(N, np.eye(8))
+    assert not gamma.any()
+    assert delta == 1.0
+    assert model.reactions(state).shape == (0,)
+    assert model.jacobian(state.q).shape == (0, 8)
+    with pytest.raises(InputError, match=r"8 degrees of freedom; 'two_bodies' has 1"):
+        model.inverse_dynamics(state, np.zeros(8))
+
+
+@pytest.mark.parametrize("elbow", [0.0, 1e-9, -1e-7], ids=["stretched", "almost", "nearly"])
+def test_singular_mass_matrix_is_refused(elbow: float) -> None:
+    model = build(derive(tip_mass()))
+    with pytest.raises(SingularityError, match="moves no mass, or next to none"):
+        model.forward_dynamics(model.state([0.3, elbow], [0.2, 0.1]))
+
+
+def test_bent_arm_is_regular() -> None:
+    model = build(derive(tip_mass()))
+    state = model.state([0.3, 0.05], [0.2, 0.1])
+    q_ddot = model.forward_dynamics(state, [1.0, 2.0])
+    assert model.inverse_dynamics(state, q_ddot) == pytest.approx([1.0, 2.0], rel=1e-9)
