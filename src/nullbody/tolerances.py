@@ -1,4 +1,7 @@
-"""Every tolerance of the package, with its reason."""
+"""The tolerances that users meet or that several modules share, with their reasons.
+
+One that a single algorithm needs stands on top of its module.
+"""
 
 from __future__ import annotations
 

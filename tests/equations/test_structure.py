@@ -17,7 +17,7 @@ OUTPUTS = {
     "A": 65,
     "c": 165,
     "M": 34,
-    "h": 87,
+    "h": 78,
     "Q": 0,
     "T": 90,
     "U": 17,
@@ -27,14 +27,14 @@ OUTPUTS = {
     "gamma": 630,
     "gamma_scaled": 633,
     "Mr": 616,
-    "hr": 903,
+    "hr": 891,
     "Br": 0,
 }
 ROUTINES = {
     "closure": 114,
     "kinematics": 809,
-    "forward_dynamics": 1256,
-    "inverse_dynamics": 1051,
+    "forward_dynamics": 1244,
+    "inverse_dynamics": 1039,
     "reactions": 631,
     "energy": 101,
 }

@@ -125,7 +125,9 @@ def test_guess_chooses_the_branch() -> None:
 
 def test_wrong_poses() -> None:
     model = robot()
-    with pytest.raises(InputError, match="a pose of 'three_prs' is 3 coordinates, not 2"):
+    with pytest.raises(
+        InputError, match="a pose of 'three_prs' is 3 of its coordinates, usually of the end effector, not 2"
+    ):
         inverse_kinematics(model, {"y": 0.4, "psi": 0.1})
     with pytest.raises(UnknownName, match="did you mean 'psi'"):
         inverse_kinematics(model, {"y": 0.4, "psi ": 0.1, "phi": 0.0})

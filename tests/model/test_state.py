@@ -63,7 +63,7 @@ def test_wrong_names() -> None:
     with pytest.raises(UnknownName, match="no coordinate 'alpha_1'; did you mean 'alpha1'") as caught:
         robot().state({**home, "alpha_1": 0.0})
     assert caught.value.suggestion == "alpha1"
-    with pytest.raises(InputError, match="values are missing for coordinate y, s2"):
+    with pytest.raises(InputError, match="coordinate values are missing: y, s2"):
         robot().state({name: value for name, value in home.items() if name not in ("y", "s2")})
     with pytest.raises(UnknownName, match="no independent rate 'alpha1'"):
         robot().state(home, {"s1": 0, "s2": 0, "s3": 0, "alpha1": 1})

@@ -94,8 +94,8 @@ def dynamics(found: Quantities, sample: Sample) -> None:
     """q'', lambda and u of the routines are those of the full system with multipliers."""
     truth = sample.truth
     size = max(np.abs(truth[name]).max() for name in ("q_ddot", "gamma"))
+    close(found["forward_dynamics.q_ddot"], truth["q_ddot"], "forward_dynamics: q''", size)
     for routine in ("forward_dynamics", "inverse_dynamics"):
-        close(found[f"{routine}.q_ddot"], truth["q_ddot"], f"{routine}: q''", size)
         close(found[f"{routine}.delta"], truth["delta"], f"{routine}: delta")
     for routine in ("forward_dynamics", "kinematics"):
         close(found[f"{routine}.q_dot"], truth["q_dot"], f"{routine}: q'")
@@ -115,7 +115,13 @@ def routines(found: Quantities, sample: Sample) -> None:
     spread = (sample.truth["N"][:9] ** 2).sum()
     for routine in ("kinematics", "forward_dynamics", "inverse_dynamics"):
         close(found[f"{routine}.spread"], spread, f"{routine}: spread")
-    close(found["inverse_dynamics.delta"], sample.truth["delta"], "inverse_dynamics: delta")
+    loss = _loss(sample.truth["N"].T @ sample.truth["M"] @ sample.truth["N"])
+    close(found["forward_dynamics.loss"], loss, "forward_dynamics: loss")
+
+
+def _loss(Mr: np.ndarray) -> float:
+    """sum_j Mr_jj / D_j, D from Cholesky's factor."""
+    return float((np.diag(Mr) / np.diag(np.linalg.cholesky(Mr)) ** 2).sum())
 
 
 def power(found: Quantities, sample: Sample) -> None:

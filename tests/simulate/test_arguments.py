@@ -49,7 +49,7 @@ def run(**options: Any) -> Any:
         ({"u": (1, 2)}, "3 input values are needed"),
         ({"u": (1, 2, np.nan)}, "input F3 must be finite"),
         ({"u": "off"}, "real numbers"),
-        ({"u": {"F1": 1, "F2": 2}}, "values are missing for input F3"),
+        ({"u": {"F1": 1, "F2": 2}}, "input values are missing: F3"),
         ({"u": {"F1": 1, "F2": 2, "F3": 3, "G": 4}}, "no input 'G'"),
     ],
 )
@@ -70,7 +70,7 @@ def test_unknown_option_suggests_a_known_one() -> None:
         (None, r"u\(t, x\) at t = 0 s: "),
         (1.0, "not an array of shape \\(\\)"),
         (["1", "2", "3"], "real numbers"),
-        ({"F1": 1}, "values are missing for input F2, F3"),
+        ({"F1": 1}, "input values are missing: F2, F3"),
     ],
 )
 def test_wrong_result_of_a_controller(result: Any, message: str) -> None:

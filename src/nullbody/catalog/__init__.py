@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 from nullbody.catalog.three_prs import three_prs
@@ -12,10 +13,13 @@ from nullbody.mechanism import Mechanism
 if TYPE_CHECKING:
     from nullbody.catalog.closed_form import ClosedForm
 
-__all__ = ["MODELS", "closed_form_of", "mechanism", "three_prs"]
+__all__ = ["CLOSED_FORMS", "MODELS", "closed_form_of", "mechanism", "three_prs"]
 
 #: Every mechanism of the catalog by name.
 MODELS: dict[str, Callable[..., Mechanism]] = {"three_prs": three_prs}
+
+#: Where closed-form kinematics are, by the mechanism's name.
+CLOSED_FORMS = {"three_prs": "nullbody.catalog.three_prs_kinematics"}
 
 
 def mechanism(name: str, **values: float) -> Mechanism:
@@ -31,8 +35,7 @@ def mechanism(name: str, **values: float) -> Mechanism:
 
 def closed_form_of(name: str) -> ClosedForm | None:
     """Closed-form kinematics of a mechanism of the catalog, or None."""
-    if name != "three_prs":
+    if name not in CLOSED_FORMS:
         return None
-    from nullbody.catalog.three_prs_kinematics import CLOSED_FORM
-
-    return CLOSED_FORM
+    found: ClosedForm = import_module(CLOSED_FORMS[name]).CLOSED_FORM
+    return found

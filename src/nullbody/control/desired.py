@@ -47,9 +47,8 @@ class DesiredMotion:
             raise InputError(f"the desired motion was prepared for t = {begin:g}..{end:g} s, not for {t:g} s")
         demand, model = self.reference(t), self.model
         q = self._predicted(t)
-        independent = [model.coordinates.index(name) for name in model.independent]
-        q[independent] = demand.position
-        closed = close_loops(model, q, np.setdiff1d(np.arange(len(q)), independent))
+        q[model.independent_columns] = demand.position
+        closed = close_loops(model, q, np.setdiff1d(np.arange(len(q)), model.independent_columns))
         if not closed.converged:
             known = dict(zip(model.independent, demand.position.tolist(), strict=True))
             return assemble(model, known, v=demand.rate, guess=self.knots[self._before(t)])

@@ -1,7 +1,7 @@
 """Layer 4: from a mechanism to its equations of motion."""
 
 from nullbody.equations.derive import derive
-from nullbody.equations.equations import Equations, Routine, flat
-from nullbody.equations.presentation import shape
+from nullbody.equations.equations import Equations, Routine
+from nullbody.equations.presentation import flat, shape
 
 __all__ = ["Equations", "Routine", "derive", "flat", "shape"]

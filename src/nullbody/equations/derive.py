@@ -1,4 +1,8 @@
-"""derive: Mechanism -> Equations, step by step as in theory 1 to 3."""
+"""derive: Mechanism -> Equations, step by step as in theory 1 to 3.
+
+frames [20-25] -> Phi, A, c [26, 6, 7] -> M, h, T, U [27-35] -> N, delta [9-13] -> gamma [40, 41] -> Mr, hr, Br [39, 42]
+-> routines [42-46]
+"""
 
 from __future__ import annotations
 
@@ -9,14 +13,13 @@ from nullbody.equations.closure import Closures, closures
 from nullbody.equations.equations import Equations, Routine
 from nullbody.equations.frame import frames
 from nullbody.equations.inertia import Inertia, inertia
-from nullbody.equations.reduction import Reduced, acceleration, reduce, solve_symmetric
+from nullbody.equations.reduction import acceleration, forward, input_matrix, inverse, reduce, required_inputs
 from nullbody.equations.scalar import ParameterScalars
-from nullbody.errors import InputError, MechanismError, SingularityError, UnknownName
+from nullbody.errors import InputError, SingularityError, UnknownName
 from nullbody.expr import Expr, Graph, directional, substitute
-from nullbody.expr.matrix import add, dot, matvec, scale, total, transpose
+from nullbody.expr.matrix import add, matvec, scale, total
 from nullbody.mechanism import Mechanism
 from nullbody.nullspace import NullSpace, echelon, null_space
-from nullbody.nullspace.elimination import eliminate
 
 __all__ = ["derive"]
 
@@ -36,6 +39,8 @@ def derive(mechanism: Mechanism, independent: Sequence[str] | None = None) -> Eq
         MechanismError: a degree of freedom moves no mass.
         SingularityError: |B| is identically zero for this choice; the message names one that would do.
     """
+    if not isinstance(mechanism, Mechanism):
+        raise InputError(f"derive takes a Mechanism, such as nullbody.catalog.three_prs(), not {mechanism!r}")
     mechanism.values()
     graph = Graph()
     scalars = ParameterScalars(graph, tuple(p.name for p in mechanism.parameters))
@@ -83,7 +88,6 @@ class _Symbols:
         self.q = [graph.symbol(name) for name in names]
         self.rates = [graph.symbol(f"{name}_dot") for name in names]
         self.v, self.u = self.group("v"), self.group("u")
-        self.independent = [names.index(name) for name in independent]
         acting = [(actuator.coordinate, graph.symbol(actuator.name)) for actuator in mechanism.actuators]
         self.Q = [self.zero + total(u for coordinate, u in acting if coordinate == name) for name in names]
         self.input_columns = [[1 if a.coordinate == name else 0 for name in names] for a in mechanism.actuators]
@@ -128,12 +132,12 @@ def _preferred_order(mechanism: Mechanism) -> list[int]:
 def _null_space(A: list[list[Expr]], names: tuple[str, ...], chosen: tuple[str, ...]) -> NullSpace:
     independent = [names.index(name) for name in chosen]
     if not A:
-        return NullSpace(1, tuple(independent), (), (), (), (), eliminate([]), 0)
+        return NullSpace.without_constraints(tuple(independent))
     try:
         return null_space(A, independent)
     except SingularityError:
         form = echelon(A, [j for j in range(len(names)) if j not in independent] + independent)
-        would_do = [name for j, name in enumerate(names) if form is None or j not in form.columns]
+        would_do = [name for j, name in enumerate(names) if form is not None and j not in form.columns]
         raise SingularityError(
             f"{', '.join(chosen)} cannot be the independent coordinates in any configuration: they depend on each "
             f"other, |B| is identically zero. {', '.join(would_do)} would do"
@@ -142,8 +146,8 @@ def _null_space(A: list[list[Expr]], names: tuple[str, ...], chosen: tuple[str, 
 
 def _outputs(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symbols) -> dict[str, Any]:
     zero = symbols.zero
-    N, bias = space.basis, _bias(space, symbols)
-    gamma = space.offset(bias, of_simplified=True)
+    N, c = space.basis, _simplified_c(space, symbols)
+    gamma = space.offset(c, of_simplified=True)
     reduced = reduce(bodies.M, bodies.h, N, gamma)
     outputs = {
         "Phi": [loops.Phi[i] for i in space.rows],
@@ -158,16 +162,16 @@ def _outputs(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symbo
         "N": N,
         "N_scaled": space.scaled,
         "gamma": gamma,
-        "gamma_scaled": space.offset_scaled(bias, of_simplified=True),
+        "gamma_scaled": space.offset_scaled(c, of_simplified=True),
         "Mr": reduced.Mr,
         "hr": reduced.hr,
-        "Br": _input_matrix(N, symbols),
+        "Br": input_matrix(N, symbols.input_columns),
     }
     return {name: _expressions(output, zero) for name, output in outputs.items()}
 
 
-def _bias(space: NullSpace, symbols: _Symbols) -> list[Expr]:
-    """A' q' of the simplified rows: c after the same row operations, cheaper than they would make it."""
+def _simplified_c(space: NullSpace, symbols: _Symbols) -> list[Expr]:
+    """c = A' q' [7] of the simplified rows: B^-1 c is the same for both, and this one costs less."""
     products = [symbols.zero + rate for rate in matvec(space.simplified, symbols.rates)]
     return directional(products, dict(zip(symbols.q, symbols.rates, strict=True)))
 
@@ -177,14 +181,13 @@ def _routines(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symb
     zero, N, v = symbols.zero, space.basis, symbols.v
     qd = [zero + rate for rate in matvec(N, v)]
     onto = {symbols.rates[j]: qd[j] for j in space.dependent}
-    h, bias = substitute(bodies.h, onto), substitute(_bias(space, symbols), onto)
-    gamma = space.offset(bias, of_simplified=True)
+    h, c = substitute(bodies.h, onto), substitute(_simplified_c(space, symbols), onto)
+    gamma = space.offset(c, of_simplified=True)
     reduced = reduce(bodies.M, h, N, gamma)
     check = {"delta": space.delta, "spread": total(e * e for row in N for e in row if isinstance(e, Expr))}
-    Br = _input_matrix(N, symbols)
-    v_dot, loss = _accelerations(reduced, add(matvec(Br, symbols.u), scale(-1, reduced.hr)))
-    demanded = acceleration(N, symbols.group("v_dot"), gamma)
-    needed = matvec(transpose(N), add(matvec(bodies.M, demanded), h))
+    Br = input_matrix(N, symbols.input_columns)
+    v_dot, loss = forward(reduced, Br, symbols.u)
+    Qr = inverse(bodies.M, h, N, acceleration(N, symbols.group("v_dot"), gamma))
     unbalanced = add(symbols.Q, scale(-1, add(matvec(bodies.M, symbols.group("q_ddot")), bodies.h)))
     lam = space.multipliers(unbalanced)
     routines = {
@@ -193,9 +196,7 @@ def _routines(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symb
         "forward_dynamics": Routine(
             ("q", "v", "u"), {"q_ddot": acceleration(N, v_dot, gamma), "q_dot": qd, **check, "loss": loss}
         ),
-        "inverse_dynamics": Routine(
-            ("q", "v", "v_dot"), {"Qr": needed, "u": _inputs(Br, needed), "q_ddot": demanded, **check}
-        ),
+        "inverse_dynamics": Routine(("q", "v", "v_dot"), {"Qr": Qr, "u": required_inputs(Br, Qr), **check}),
         "reactions": Routine(("q", "q_dot", "u", "q_ddot"), {"lam": [lam[i] for i in space.rows]}),
         "energy": Routine(("q", "q_dot"), {"T": bodies.T, "U": bodies.U}),
     }
@@ -203,30 +204,6 @@ def _routines(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symb
         name: Routine(r.inputs, {key: _expressions(value, zero) for key, value in r.outputs.items()})
         for name, r in routines.items()
     }
-
-
-def _accelerations(reduced: Reduced, force: list[Any]) -> tuple[list[Any], Any]:
-    """v' with Mr v' = Br u - hr, and what solving for it loses."""
-    try:
-        return solve_symmetric(reduced.Mr, force)
-    except ZeroDivisionError:
-        raise MechanismError(
-            "the reduced mass matrix is singular in every configuration: some motion moves no mass; "
-            "give the bodies that move with it a mass or an inertia"
-        ) from None
-
-
-def _input_matrix(N: Any, symbols: _Symbols) -> list[list[Any]]:
-    """Br = N^T S, nv x nu: how the inputs act on v."""
-    return [[dot(column, s) for s in symbols.input_columns] for column in transpose(N)]
-
-
-def _inputs(Br: list[list[Any]], needed: list[Any]) -> list[Any]:
-    """u with Br u = Qr where there is one input for each degree of freedom; none otherwise."""
-    if not Br or len(Br) != len(Br[0]):
-        return []
-    factors = eliminate(Br)
-    return [] if factors.delta == 0 else factors.solve(needed)
 
 
 def _expressions(output: Any, zero: Expr) -> Any:

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from nullbody.equations.presentation import latex_definition, summary
+from nullbody.equations.presentation import flat, latex_definition, summary
 from nullbody.errors import UnknownName
-from nullbody.expr import Expr, Graph, Operations, operations
+from nullbody.expr import Graph, Operations, operations
 from nullbody.mechanism import Mechanism
 from nullbody.nullspace import NullSpace
 
-__all__ = ["Equations", "Routine", "flat"]
+__all__ = ["Equations", "Routine"]
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Equations:
         Phi(q) = 0,   A q' = 0,   A q'' + c = 0,   M q'' + h + A^T lambda = Q
         q' = N v,     q'' = N v' + gamma,          Mr v' + hr = N^T Q
 
-    `equations["Mr"]` is an output: a scalar, a list or a list of rows of expressions. `outputs` lists the names.
+    `equations["Mr"]` is an output: a scalar, a tuple of expressions, or a tuple of rows. `outputs` lists the names.
 
     Attributes:
         mechanism: where they come from.
@@ -96,12 +96,3 @@ class Equations:
     def __repr__(self) -> str:
         nq, nv = len(self.coordinates), len(self.independent)
         return f"<Equations of {self.mechanism.name!r}: nq = {nq}, nc = {len(self.labels)}, nv = {nv}>"
-
-
-def flat(output: Any) -> Iterator[Expr]:
-    """The expressions of a scalar, vector or matrix, row by row."""
-    if isinstance(output, Sequence):
-        for part in output:
-            yield from flat(part)
-    else:
-        yield output

@@ -1,13 +1,17 @@
-"""Mass matrix, bias forces and energies, body by body (theory 3, [27-35] with the rod's inertia about its centre).
+"""Mass matrix, bias forces and energies, body by body (theory 3, with the rod's inertia about its centre).
 
-For a body with mass m, inertia I about its centre C and the Jacobians V_C = J q', omega = W q' in its own axes:
+For a body with mass m, inertia I about its centre C, pose (R, p) and the Jacobians V_C = J q', omega = W q'; all in
+the body's axes but g and p_C, which are in the ground's:
 
-    M += J^T m J + W^T I W
-    h += J^T m (a_C - g) + W^T (I omega'_0 + omega x I omega),    a_C = (d/dt J) q' + omega x V_C,
-                                                                  omega'_0 = (d/dt W) q'
-    U -= m g . p_C
+    M += J^T m J + W^T I W                                                              [27-30, 33]
+    h += J^T m (a_C - R^T g) + W^T (I omega'_0 + omega x I omega)                       [33, 35]
+         a_C = (d/dt J) q' + omega x V_C,   omega'_0 = (d/dt W) q'
+    U -= m g . p_C,   T = q'^T M q' / 2                                                 [31, 27]
 
-h is Coriolis, centrifugal and gravity together: M q'' + h + A^T lambda = Q.
+h is Coriolis, centrifugal and gravity together: M q'' + h + A^T lambda = Q. Two of its terms have a second form, and
+each entry is written in the cheaper one:
+
+    J_i . (omega x V_C) = sum over j != i of q'_j omega . (J_j x J_i),      -m J_i . R^T g = dU/dq_i
 """
 
 from __future__ import annotations
@@ -18,7 +22,7 @@ from typing import Any
 
 from nullbody.equations.frame import Frame
 from nullbody.equations.scalar import ParameterScalars
-from nullbody.expr import Expr, directional
+from nullbody.expr import Expr, derivative, directional, operations
 from nullbody.expr.matrix import add, cross, dot, matvec, scale, total, transpose
 from nullbody.mechanism import Body, Mechanism
 
@@ -52,9 +56,13 @@ def inertia(
         frame = found[body.name]
         mass, centre = scalars(body.mass), scalars.triple(body.centre)
         columns = {name: (W, add(V, cross(W, centre))) for name, (W, V) in frame.columns.items()}
-        _add_body(M, h, _Body(body, mass, columns, frame), scalars, gravity, q, rates)
-        potentials.append(-(mass * dot(gravity, frame.point(centre))))
-    zero = scalars(0)
+        potential = scalars(0) - mass * dot(gravity, frame.point(centre))
+        potentials.append(potential)
+        moving = _MovingBody(body, mass, columns, frame, potential)
+        _add_mass(M, moving, scalars)
+        for name, force in _bias(moving, scalars, gravity, q, rates).items():
+            h[name].append(force)
+    zero = scalars(0)  # products leave a plain 0 where all terms vanish; zero + 0 makes it an expression
     matrix = [[zero + total(M.get((i, j), M.get((j, i), []))) for j in names] for i in names]
     momentum = matvec(matrix, [rates[name] for name in names])
     T = (zero + dot(momentum, [rates[name] for name in names])) / 2
@@ -62,39 +70,59 @@ def inertia(
 
 
 @dataclass(frozen=True)
-class _Body:
+class _MovingBody:
+    """A body with the columns (W_i, J_i) of its centre of mass and its potential energy."""
+
     body: Body
     mass: Expr
     columns: Mapping[str, tuple[list[Any], list[Any]]]
     frame: Frame
+    potential: Expr
 
 
-def _add_body(
-    M: dict[tuple[str, str], list[Any]],
-    h: dict[str, list[Any]],
-    part: _Body,
+def _add_mass(M: dict[tuple[str, str], list[Any]], moving: _MovingBody, scalars: ParameterScalars) -> None:
+    """Add one body's share to M; entries that vanish are left out."""
+    names, I_C = list(moving.columns), _inertia_matrix(moving, scalars)
+    for i, name in enumerate(names):
+        W_i, J_i = moving.columns[name]
+        turned = matvec(I_C, W_i)
+        for other in names[i:]:
+            W_j, J_j = moving.columns[other]
+            entry = moving.mass * (scalars(0) + dot(J_i, J_j)) + dot(turned, W_j)
+            if entry != 0:
+                key = (other, name) if (other, name) in M else (name, other)
+                M.setdefault(key, []).append(entry)
+
+
+def _bias(
+    moving: _MovingBody,
     scalars: ParameterScalars,
     gravity: list[Any],
     q: Mapping[str, Expr],
     rates: Mapping[str, Expr],
-) -> None:
-    """Add one body's share to M and h."""
-    names, I_C = list(part.columns), [[scalars(e) for e in row] for row in part.body.inertia_matrix]
-    W = [part.columns[name][0] for name in names]
-    J = [part.columns[name][1] for name in names]
+) -> dict[str, Any]:
+    """One body's share of h, by coordinate."""
+    names, zero = list(moving.columns), scalars(0)
+    W = [moving.columns[name][0] for name in names]
+    J = [moving.columns[name][1] for name in names]
     speed = [rates[name] for name in names]
     omega, velocity = matvec(transpose(W), speed), matvec(transpose(J), speed)
     seeds = {q[name]: rates[name] for name in names}
-    zero = scalars(0)
-    acceleration = add(directional([zero + e for e in velocity], seeds), cross(omega, velocity))
-    acceleration = add(acceleration, scale(-1, matvec(transpose(part.frame.pose.rotation), gravity)))
-    spin = matvec(I_C, omega)
-    torque = add(matvec(I_C, directional([zero + e for e in omega], seeds)), cross(omega, spin))
+    change = directional([zero + e for e in velocity], seeds)
+    acceleration = add(change, cross(omega, velocity))
+    weight = matvec(transpose(moving.frame.pose.rotation), gravity)
+    I_C = _inertia_matrix(moving, scalars)
+    torque = add(matvec(I_C, directional([zero + e for e in omega], seeds)), cross(omega, matvec(I_C, omega)))
+    forces = {}
     for i, name in enumerate(names):
-        h[name].append(part.mass * (zero + dot(J[i], acceleration)) + dot(W[i], torque))
-        turned = matvec(I_C, W[i])
-        for j in range(i, len(names)):
-            entry = part.mass * (zero + dot(J[i], J[j])) + dot(turned, W[j])
-            if entry != 0:
-                key = (name, names[j]) if (names[j], name) not in M else (names[j], name)
-                M.setdefault(key, []).append(entry)
+        turning = zero + dot(W[i], torque)
+        direct = moving.mass * (zero + dot(J[i], add(acceleration, scale(-1, weight)))) + turning
+        coupled = [speed[j] * dot(omega, cross(J[j], J[i])) for j in range(len(names)) if j != i]
+        energetic = moving.mass * (zero + dot(J[i], change) + total(coupled)) + turning
+        energetic = energetic + derivative(moving.potential, q[name])
+        forces[name] = min(energetic, direct, key=lambda force: operations([force]).arithmetic)
+    return forces
+
+
+def _inertia_matrix(moving: _MovingBody, scalars: ParameterScalars) -> list[list[Any]]:
+    return [[scalars(entry) for entry in row] for row in moving.body.inertia_matrix]

@@ -1,17 +1,17 @@
-"""How equations are shown: a summary for the terminal, LaTeX for paper."""
+"""How equations are shown: a summary for the terminal, LaTeX for print."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from nullbody.expr import latex
+from nullbody.expr import Expr, latex
 from nullbody.expr.text import latex_symbol, shared_nodes
 
 if TYPE_CHECKING:
     from nullbody.equations.equations import Equations
 
-__all__ = ["latex_definition", "summary"]
+__all__ = ["flat", "latex_definition", "shape", "summary"]
 
 _LATEX_NAMES = {
     "Phi": r"\Phi",
@@ -54,6 +54,9 @@ def summary(equations: Equations) -> str:
         f"  v = rates of {' '.join(equations.independent)}",
         f"  u = {' '.join(equations.inputs) or 'none'}",
     ]
+    lines.append(
+        "  outputs are in q, q', u and the parameters; with q' = N v put in they depend on (q, v), as the routines do"
+    )
     for loop in mechanism.loops:
         kept, dropped = _directions(equations.labels, loop.name), _directions(equations.redundant, loop.name)
         note = f", {' '.join(dropped)} repeats other equations" if dropped else ""
@@ -72,6 +75,15 @@ def _directions(labels: Sequence[str], loop: str) -> list[str]:
     return [direction for name, _, direction in (label.rpartition(" ") for label in labels) if name == loop]
 
 
+def flat(output: Any) -> Iterator[Expr]:
+    """The expressions of a scalar, vector or matrix, row by row."""
+    if isinstance(output, Sequence):
+        for part in output:
+            yield from flat(part)
+    else:
+        yield output
+
+
 def shape(output: Any) -> tuple[int, ...]:
     """The shape of a scalar, vector or matrix."""
     if not isinstance(output, Sequence):
@@ -82,19 +94,16 @@ def shape(output: Any) -> tuple[int, ...]:
 
 def latex_definition(name: str, output: Any) -> str:
     """`name = ...` in an aligned environment, shared sub-expressions first."""
-    rows = output if isinstance(output, Sequence) else [output]
-    entries = [entry for row in rows for entry in (row if isinstance(row, Sequence) else [row])]
+    entries = list(flat(output))
     shared = shared_nodes(entries)
     names: dict[int, str] = {}
     lines = []
     for number, node in enumerate(shared, 1):
-        lines.append(rf"z_{{{number}}} &= {latex(type(entries[0])(entries[0].graph, 2 * node), names)}")
+        lines.append(rf"z_{{{number}}} &= {latex(Expr(entries[0].graph, 2 * node), names)}")
         names[node] = f"z_{{{number}}}"
     symbol = _LATEX_NAMES.get(name) or latex_symbol(name)
     if isinstance(output, Sequence):
-        body = r" \\ ".join(
-            " & ".join(latex(e, names) for e in (row if isinstance(row, Sequence) else [row])) for row in rows
-        )
+        body = r" \\ ".join(" & ".join(latex(e, names) for e in flat(row)) for row in output)
         lines.append(rf"{symbol} &= \begin{{bmatrix}} {body} \end{{bmatrix}}")
     else:
         lines.append(rf"{symbol} &= {latex(output, names)}")

@@ -1,8 +1,11 @@
-"""Elimination of the multipliers by the null space (theory 3, [39-46] corrected).
+"""Elimination of the multipliers by the null space (theory 3, [38-46] corrected).
 
-q' = N v,   q'' = N v' + gamma,   gamma = [-B^-1 c; 0]
-Mr v' + hr = N^T Q,   Mr = N^T M N,   hr = N^T (h + M gamma)
-B^T lambda = (Q - M q'' - h) in the dependent places
+q'  = N v                                                                                   [3, 9]
+q'' = N v' + gamma,          gamma = [-B^-1 c; 0]                                           [40, 41 corrected]
+Mr v' + hr = Br u,           Mr = N^T M N,  hr = N^T (h + M gamma),  Br u = N^T Q           [39, 42 corrected]
+forward:                     v' = Mr^-1 (Br u - hr)                                         [43-46 corrected]
+inverse:                     Br u = N^T (M (N v' + gamma) + h)                              [42]
+reactions:                   B^T lambda = (Q - M q'' - h) in the dependent places           [34]
 """
 
 from __future__ import annotations
@@ -11,9 +14,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from nullbody.errors import MechanismError
 from nullbody.expr.matrix import Matrix, Vector, add, dot, matmul, matvec, scale, total, transpose
+from nullbody.nullspace.elimination import eliminate
+from nullbody.nullspace.scalar import is_zero
 
-__all__ = ["Reduced", "reduce", "solve_symmetric"]
+__all__ = [
+    "Reduced",
+    "acceleration",
+    "forward",
+    "input_matrix",
+    "inverse",
+    "reduce",
+    "required_inputs",
+    "solve_symmetric",
+]
 
 
 @dataclass(frozen=True)
@@ -32,6 +47,44 @@ def reduce(M: Matrix, h: Vector, N: Matrix, gamma: Vector) -> Reduced:
     upper = {(i, j): dot(rows[i], MN[j]) for i in range(d) for j in range(i, d)}
     Mr = [[upper[min(i, j), max(i, j)] for j in range(d)] for i in range(d)]
     return Reduced(Mr, matvec(rows, add(h, matvec(M, gamma))))
+
+
+def acceleration(N: Matrix, v_dot: Sequence[Any], gamma: Vector) -> list[Any]:
+    """q'' = N v' + gamma"""
+    return add(matvec(N, v_dot), gamma)
+
+
+def input_matrix(N: Matrix, columns: Sequence[Vector]) -> list[list[Any]]:
+    """Br = N^T S, nv x nu: how the inputs act on v; `columns` are those of S."""
+    return [[dot(column, s) for s in columns] for column in transpose(N)]
+
+
+def forward(reduced: Reduced, Br: Matrix, u: Vector) -> tuple[list[Any], Any]:
+    """v' = Mr^-1 (Br u - hr), and what solving for it loses (`solve_symmetric`).
+
+    Raises:
+        MechanismError: Mr is singular in every configuration.
+    """
+    try:
+        return solve_symmetric(reduced.Mr, add(matvec(Br, u), scale(-1, reduced.hr)))
+    except ZeroDivisionError:
+        raise MechanismError(
+            "the reduced mass matrix is singular in every configuration: some motion moves no mass; "
+            "give the bodies that move with it a mass or an inertia"
+        ) from None
+
+
+def inverse(M: Matrix, h: Vector, N: Matrix, q_ddot: Vector) -> list[Any]:
+    """Qr = N^T (M q'' + h): the forces along v that accelerations need."""
+    return matvec(transpose(N), add(matvec(M, q_ddot), h))
+
+
+def required_inputs(Br: Matrix, Qr: Sequence[Any]) -> list[Any]:
+    """u with Br u = Qr where there is one input for each degree of freedom; none otherwise."""
+    if not Br or len(Br) != len(Br[0]):
+        return []
+    factors = eliminate(Br)
+    return [] if is_zero(factors.delta) else factors.solve(Qr)
 
 
 def solve_symmetric(matrix: Matrix, right: Sequence[Any]) -> tuple[list[Any], Any]:
@@ -57,8 +110,3 @@ def solve_symmetric(matrix: Matrix, right: Sequence[Any]) -> tuple[list[Any], An
     for i in reversed(range(n)):
         x[i] = total((x[i], -dot([L[k][i] for k in range(i + 1, n)], x[i + 1 :])))
     return x, total(matrix[j][j] * inverse[j] for j in range(n))
-
-
-def acceleration(N: Matrix, v_dot: Sequence[Any], gamma: Vector) -> list[Any]:
-    """q'' = N v' + gamma"""
-    return add(matvec(N, v_dot), gamma)

@@ -9,7 +9,7 @@ import numpy as np
 
 from nullbody.errors import AssemblyError, InputError, UnknownName
 from nullbody.kinematics.newton import Closed, close_loops, closed_to
-from nullbody.model import Model, State, vector
+from nullbody.model import Model, State, checked_model, vector
 from nullbody.typing import FloatArray, IndexArray
 
 __all__ = ["assemble", "known_coordinates", "start_coordinates"]
@@ -72,6 +72,7 @@ def known_coordinates(model: Model, known: Mapping[str, float]) -> tuple[IndexAr
     Raises:
         UnknownName, InputError: unknown names, or values that are no finite numbers.
     """
+    checked_model(model)
     if not isinstance(known, Mapping):
         raise InputError(f"give coordinates by name, such as {{{model.independent[0]!r}: 0.6}}, not {known!r}")
     for name in known:

@@ -99,7 +99,8 @@ def inverse_kinematics(
     fixed, values = known_coordinates(model, pose)
     if len(fixed) != len(model.independent):
         raise InputError(
-            f"a pose of {model.mechanism.name!r} is {len(model.independent)} coordinates, not {len(fixed)}"
+            f"a pose of {model.mechanism.name!r} is {len(model.independent)} of its coordinates, "
+            f"usually of the end effector, not {len(fixed)}"
         )
     closed_form = closed_form_of(model.mechanism.name)
     start = start_coordinates(model, guess)

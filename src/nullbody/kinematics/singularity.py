@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nullbody.model import Model, State
+from nullbody.model import Model, State, checked_model
 from nullbody.typing import FloatArray
 
 __all__ = ["Singularity", "singularity"]
@@ -38,6 +38,7 @@ class Singularity:
 
 def singularity(model: Model, state: State) -> Singularity:
     """The singularity measures at a state (Gosselin and Angeles 1990 for the types)."""
+    checked_model(model)
     A = model.jacobian(state.q)
     names = list(model.coordinates)
     dependent = [names.index(name) for name in model.dependent]

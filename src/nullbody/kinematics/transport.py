@@ -46,7 +46,7 @@ def with_rates(model: Model, state: State, known: Mapping[str, float]) -> State:
         InputError, SingularityError: as `velocities`.
     """
     q_dot = velocities(model, state, known)
-    return model.trusted_state(state.q.copy(), q_dot[[model.coordinates.index(name) for name in model.independent]])
+    return model.trusted_state(state.q.copy(), q_dot[model.independent_columns])
 
 
 def _completed(model: Model, q: FloatArray, known: Mapping[str, float], c: FloatArray, kind: str) -> FloatArray:

@@ -85,6 +85,20 @@ class Mechanism:
         """The coordinates that actuators act on, in the order of the actuators."""
         return tuple(actuator.coordinate for actuator in self.actuators)
 
+    def __str__(self) -> str:
+        lines = [f"Mechanism {self.name!r}: {len(self.bodies)} bodies, {len(self.coordinates)} coordinates"]
+        for joint in self.joints:
+            kind = type(joint).__name__.lower()
+            lines.append(
+                f"  {joint.name}: {kind} joint, {joint.parent} -> {joint.child}, {' '.join(joint.coordinates)}"
+            )
+        for loop in self.loops:
+            lines.append(f"  {loop.name}: {type(loop).__name__.lower()} loop joint, {loop.body_a} - {loop.body_b}")
+        acting = ", ".join(f"{actuator.name} on {actuator.coordinate}" for actuator in self.actuators)
+        lines.append(f"  inputs: {acting or 'none'}")
+        lines.append(f"  parameters: {', '.join(f'{p.name} = {p.default}' for p in self.parameters) or 'none'}")
+        return "\n".join(lines)
+
     def with_parameters(self, **values: object) -> Mechanism:
         """The same mechanism with other parameter values as defaults.
 

@@ -17,7 +17,13 @@ from nullbody.model.state import State, vector
 from nullbody.tolerances import GIVEN_CLOSED, LARGE_SPREAD, REGULAR_LOSS, REGULAR_SPREAD
 from nullbody.typing import FloatArray
 
-__all__ = ["Energy", "Model", "NullSpaceValues"]
+__all__ = ["Energy", "Model", "NullSpaceValues", "checked_model"]
+
+
+def checked_model(model: object) -> None:
+    """Raise unless this is a Model."""
+    if not isinstance(model, Model):
+        raise InputError(f"a Model from nullbody.build(equations) is needed here, not {type(model).__name__}")
 
 
 class Energy(NamedTuple):
@@ -71,6 +77,16 @@ class Model:
     def dependent(self) -> tuple[str, ...]:
         """Names of the coordinates that the loops determine, in the order of q."""
         return tuple(name for name in self.coordinates if name not in self.independent)
+
+    @cached_property
+    def independent_columns(self) -> list[int]:
+        """Places of the independent coordinates in q."""
+        return [self.coordinates.index(name) for name in self.independent]
+
+    @cached_property
+    def actuated_columns(self) -> list[int]:
+        """Places in q of the coordinates that the inputs act on."""
+        return [self.coordinates.index(name) for name in self.mechanism.actuated]
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
@@ -203,7 +219,7 @@ class Model:
                 f"inverse dynamics needs one input for each of the {len(self.independent)} degrees of freedom; "
                 f"{self.mechanism.name!r} has {len(self.inputs)}. `generalized_forces` gives N^T Q instead"
             )
-        _, u, _, delta, spread = self.evaluate("inverse_dynamics", state.q, state.v, wanted)
+        _, u, delta, spread = self.evaluate("inverse_dynamics", state.q, state.v, wanted)
         self._check_regular(spread, delta)
         if len(u) != len(self.inputs) or not np.isfinite(u).all():
             where = "anywhere" if len(u) != len(self.inputs) else "here: some motion needs no work of theirs"
@@ -217,7 +233,7 @@ class Model:
             SingularityError: |B| vanishes for these independent coordinates.
         """
         wanted = vector(v_dot, self.independent, "independent acceleration")
-        Qr, _, _, delta, spread = self.evaluate("inverse_dynamics", state.q, state.v, wanted)
+        Qr, _, delta, spread = self.evaluate("inverse_dynamics", state.q, state.v, wanted)
         self._check_regular(spread, delta)
         return Qr
 

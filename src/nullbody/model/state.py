@@ -71,7 +71,7 @@ def vector(values: object, names: tuple[str, ...], kind: str, *, finite: bool = 
                 raise UnknownName(kind, name, names)
         missing = [name for name in names if name not in values]
         if missing:
-            raise InputError(f"values are missing for {kind} {', '.join(missing)}")
+            raise InputError(f"{kind} values are missing: {', '.join(missing)}")
         values = [values[name] for name in names]
     try:
         raw = np.asarray(values)

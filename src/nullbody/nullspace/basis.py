@@ -48,6 +48,11 @@ class NullSpace:
     _factors: Elimination
     _simplifications: int
 
+    @classmethod
+    def without_constraints(cls, independent: tuple[int, ...]) -> NullSpace:
+        """The whole space: N = I, nothing depends on anything."""
+        return cls(1, independent, (), (), (), (), eliminate([]), 0)
+
     @cached_property
     def basis(self) -> tuple[tuple[Any, ...], ...]:
         """N, n x d: q' = N v."""

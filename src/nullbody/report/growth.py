@@ -67,7 +67,7 @@ def _jacobian(case: Case, t: float) -> FloatArray:
     """J at a time, by central differences of the forward dynamics with the loops closed again."""
     model = case.model
     n = len(model.independent)
-    free = [model.coordinates.index(name) for name in model.independent]
+    free = model.independent_columns
     rest = np.setdiff1d(np.arange(len(model.coordinates)), free)
     x, F = case.desired.state(t), case.desired.inputs(t)
     J = np.zeros((2 * n, 2 * n))

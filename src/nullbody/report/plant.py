@@ -51,7 +51,7 @@ def plant_motion(
     from scipy.integrate import solve_ivp
 
     nq = len(model.coordinates)
-    free = [model.coordinates.index(name) for name in model.independent]
+    free = model.independent_columns
 
     def rate(t: float, y: FloatArray) -> FloatArray:
         q, q_dot = y[:nq], y[nq:]

@@ -131,7 +131,7 @@ def _hanging(model: Model) -> State:
 def _free_swing(model: Model, start: State, end: float) -> tuple[FloatArray, FloatArray]:
     """Full coordinates without forces: y = (q, v), nothing projected."""
     nq, zero = len(model.coordinates), np.zeros(len(model.inputs))
-    free = [model.coordinates.index(name) for name in model.independent]
+    free = model.independent_columns
 
     def rate(t: float, y: FloatArray) -> FloatArray:
         q_ddot, q_dot, _, _, _ = model.evaluate("forward_dynamics", y[:nq], y[nq:], zero)

@@ -10,7 +10,7 @@ import numpy as np
 from nullbody.control import ComputedTorque, desired_motion, paper_reference
 from nullbody.equations import derive
 from nullbody.mechanism import Mechanism
-from nullbody.model import Model, State, build
+from nullbody.model import State, build
 from nullbody.report.case import Case
 from nullbody.report.plant import Motion, plant_motion
 from nullbody.simulate import Trajectory, simulate
@@ -141,7 +141,7 @@ def _simulated(case: Case, u: Callable[[float, State], FloatArray], rtol: float 
 def _feedback(case: Case) -> Callable[[float, State], FloatArray]:
     """PD alone: u = Kp (s_d - s) + Kd (s'_d - s')"""
     kp, kd = PD_GAINS
-    free = _places(case.model)
+    free = case.model.independent_columns
 
     def u(t: float, x: State) -> FloatArray:
         demand = case.desired.demand(t)
@@ -149,10 +149,6 @@ def _feedback(case: Case) -> Callable[[float, State], FloatArray]:
         return force
 
     return u
-
-
-def _places(model: Model) -> list[int]:
-    return [model.coordinates.index(name) for name in model.independent]
 
 
 def _desired(case: Case) -> Motion:

@@ -58,8 +58,6 @@ class Integration:
         self.u = u
         self.rtol, self.atol, self.max_step, self.max_steps = rtol, atol, max_step, max_steps
         self.nq, self.nv = len(model.coordinates), len(model.independent)
-        self._independent = [model.coordinates.index(name) for name in model.independent]
-        self._actuated = [model.coordinates.index(name) for name in model.mechanism.actuated]
         self._side = 0.0  # sign of |B| at the start
         self._refused: Outcome | None = None  # why the last refused step was refused
 
@@ -82,8 +80,8 @@ class Integration:
             return self._refuse(Outcome.SINGULAR_INDEPENDENT_SET, y)
         if spread < LARGE_SPREAD and not (abs(loss) < REGULAR_LOSS and np.isfinite(q_ddot).all()):
             return self._refuse(Outcome.SINGULAR_MASS_MATRIX, y)
-        power = u @ q_dot[self._actuated]
-        return np.concatenate([q_dot, q_ddot[self._independent], [power]])
+        power = u @ q_dot[self.model.actuated_columns]
+        return np.concatenate([q_dot, q_ddot[self.model.independent_columns], [power]])
 
     def _refuse(self, why: Outcome, y: FloatArray) -> FloatArray:
         self._refused = why

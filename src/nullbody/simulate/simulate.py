@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from inspect import signature
 from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
 
 from nullbody.errors import InputError, SimulationError, StateError, UnknownName
-from nullbody.model import Model, State, vector
+from nullbody.model import Model, State, checked_model, vector
 from nullbody.simulate.integration import Integration, Run
 from nullbody.simulate.progress import progress_bar
 from nullbody.simulate.trajectory import Statistics, Trajectory
@@ -58,6 +59,7 @@ def simulate(
         SimulationError: the end was not reached; `.trajectory` holds what was, with its Outcome.
     """
     began = time.perf_counter()
+    checked_model(model)
     _number(t1=t1, rtol=rtol)
     settings = _options(options, rtol)
     t0 = settings.pop("t0")
@@ -116,6 +118,13 @@ def _input_function(model: Model, u: Any) -> Callable[[float, State], FloatArray
     if not callable(u):
         constant = model.input_vector(u)
         return lambda t, x: constant
+
+    try:
+        signature(u).bind(0.0, None)
+    except TypeError:
+        raise InputError("u must be a function u(t, x) of time and state, or constant values") from None
+    except ValueError:  # a built-in without a signature: the first call will tell
+        pass
 
     def inputs(t: float, x: State) -> FloatArray:
         given = u(t, x)

@@ -10,7 +10,7 @@ import numpy as np
 
 from nullbody.errors import InputError, UnknownName, VerificationError
 from nullbody.formats import number
-from nullbody.model import Model, State
+from nullbody.model import Model, State, checked_model
 from nullbody.typing import FloatArray
 from nullbody.verify.engine import AbstractEngine
 from nullbody.verify.full_coordinates import MultiplierEngine
@@ -58,6 +58,7 @@ def compare(
         VerificationError: an engine is not installed, and `missing` is "raise".
         AssemblyError: no admissible states were found.
     """
+    checked_model(model)
     if states < 1 or not tolerance > 0:
         raise InputError(f"compare needs at least one state and a positive tolerance, not {states} and {tolerance}")
     if missing not in ("raise", "skip"):
@@ -140,9 +141,8 @@ def _both(model: Model, engine: AbstractEngine, state: State, u: FloatArray) -> 
     if len(lam):
         seen["reactions"] = _Seen(model.reactions(state, u), lam, float(np.abs(lam).max()))
     if len(model.inputs) == len(model.independent):
-        chosen = [model.coordinates.index(name) for name in model.independent]
         theirs, lam = engine.inverse_dynamics(state.q, q_dot, q_ddot)
-        ours = model.inverse_dynamics(state, q_ddot[chosen])
+        ours = model.inverse_dynamics(state, q_ddot[model.independent_columns])
         seen["inverse_dynamics"] = _Seen(ours, theirs, float(np.abs(np.concatenate([theirs, lam])).max()))
     return seen
 

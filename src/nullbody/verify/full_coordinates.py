@@ -21,8 +21,8 @@ import numpy as np
 from nullbody.formats import frame, mass_properties, triple
 from nullbody.mechanism import GROUND, Mechanism
 from nullbody.typing import FloatArray
-from nullbody.verify.engine import AbstractEngine, Terms, input_matrix, kept_rows
-from nullbody.verify.kkt import accelerations, forces
+from nullbody.verify.engine import Terms
+from nullbody.verify.kkt import AbstractTermsEngine
 
 __all__ = ["MultiplierEngine", "Taylor", "cosine", "sine"]
 
@@ -80,26 +80,16 @@ def cosine(x: Taylor) -> Taylor:
     return Taylor(c, -s * x.first, -s * x.second - c * x.first * x.first)
 
 
-class MultiplierEngine(AbstractEngine):
+class MultiplierEngine(AbstractTermsEngine):
     """Multipliers in full coordinates from the joints' poses alone; needs nothing installed."""
 
     name = "multipliers"
     version = ""
 
     def __init__(self, mechanism: Mechanism, values: Mapping[str, float], labels: tuple[str, ...]) -> None:
-        self.labels = labels
-        self._kept = kept_rows(mechanism, labels)
+        super().__init__(mechanism, labels)
         self._mechanism, self._values = mechanism, dict(values)
         self._gravity = triple(mechanism.gravity, values)
-        self._S = input_matrix(mechanism)
-
-    def forward_dynamics(self, q: FloatArray, q_dot: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """(q'', lambda) for given inputs."""
-        return accelerations(self.terms(q, q_dot), self._S @ u, self._kept)
-
-    def inverse_dynamics(self, q: FloatArray, q_dot: FloatArray, q_ddot: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """(u, lambda) for given accelerations."""
-        return forces(self.terms(q, q_dot), self._S, q_ddot, self._kept)
 
     def terms(self, q: FloatArray, q_dot: FloatArray) -> Terms:
         """M, h, A, c at one state."""

@@ -6,14 +6,38 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
+
 import numpy as np
 
+from nullbody.mechanism import Mechanism
 from nullbody.typing import FloatArray
-from nullbody.verify.engine import IndexArray, Terms
+from nullbody.verify.engine import AbstractEngine, IndexArray, Terms, input_matrix, kept_rows
 
-__all__ = ["accelerations", "forces"]
+__all__ = ["AbstractTermsEngine", "accelerations", "forces", "multipliers"]
 
 _RANK = 1e-10  # relative; a redundant closure leaves about 1e-15, a regular state 1e-3 and more
+
+
+class AbstractTermsEngine(AbstractEngine):
+    """An engine that gives M, h, A, c: the dense solves are done here."""
+
+    def __init__(self, mechanism: Mechanism, labels: tuple[str, ...]) -> None:
+        self.labels = labels
+        self._kept = kept_rows(mechanism, labels)
+        self._S = input_matrix(mechanism)
+
+    @abstractmethod
+    def terms(self, q: FloatArray, q_dot: FloatArray) -> Terms:
+        """M, h, A, c at one state."""
+
+    def forward_dynamics(self, q: FloatArray, q_dot: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(q'', lambda) for given inputs."""
+        return accelerations(self.terms(q, q_dot), self._S @ u, self._kept)
+
+    def inverse_dynamics(self, q: FloatArray, q_dot: FloatArray, q_ddot: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(u, lambda) with S u - A^T lambda = M q'' + h."""
+        return forces(self.terms(q, q_dot), self._S, q_ddot, self._kept)
 
 
 def accelerations(terms: Terms, force: FloatArray, kept: IndexArray) -> tuple[FloatArray, FloatArray]:

@@ -13,15 +13,15 @@ import numpy as np
 from nullbody.formats import write_mjcf
 from nullbody.mechanism import Mechanism
 from nullbody.typing import FloatArray
-from nullbody.verify.engine import AbstractEngine, Terms, input_matrix, kept_rows, load
-from nullbody.verify.kkt import accelerations, forces
+from nullbody.verify.engine import Terms, load
+from nullbody.verify.kkt import AbstractTermsEngine
 
 __all__ = ["MujocoEngine"]
 
 _OLDEST = "3.3.3"  # before, mj_jacDot was wrong for a body with several hinges
 
 
-class MujocoEngine(AbstractEngine):
+class MujocoEngine(AbstractTermsEngine):
     """MuJoCo on the document that `write_mjcf` makes of the mechanism.
 
     Raises:
@@ -32,10 +32,9 @@ class MujocoEngine(AbstractEngine):
     name = "mujoco"
 
     def __init__(self, mechanism: Mechanism, values: Mapping[str, float], labels: tuple[str, ...]) -> None:
+        super().__init__(mechanism, labels)
         self._mujoco = load("mujoco", "mujoco", _OLDEST)
         self.version = str(self._mujoco.__version__)
-        self.labels = labels
-        self._kept = kept_rows(mechanism, labels)
         self._model = self._mujoco.MjModel.from_xml_string(write_mjcf(mechanism, values))
         self._data = self._mujoco.MjData(self._model)
         joints = [self._model.joint(name) for name in mechanism.coordinates]
@@ -44,15 +43,6 @@ class MujocoEngine(AbstractEngine):
         self._sites = [
             (self._model.site(f"{loop.name}_a").id, self._model.site(f"{loop.name}_b").id) for loop in mechanism.loops
         ]
-        self._S = input_matrix(mechanism)
-
-    def forward_dynamics(self, q: FloatArray, q_dot: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """(q'', lambda) for given inputs."""
-        return accelerations(self.terms(q, q_dot), self._S @ u, self._kept)
-
-    def inverse_dynamics(self, q: FloatArray, q_dot: FloatArray, q_ddot: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """(u, lambda) for given accelerations."""
-        return forces(self.terms(q, q_dot), self._S, q_ddot, self._kept)
 
     def terms(self, q: FloatArray, q_dot: FloatArray) -> Terms:
         """M by columns (mj_mulM), h = qfrc_bias, A by mj_jac and c = J' q' by mj_jacDot at both points of each loop."""
