@@ -42,7 +42,10 @@ WRONG = [
     ("simulate three_prs -o missing/run.nc", "the folder missing does not exist. Make it first"),
     ("simulate three_prs -o run.txt", "must end in .nc or .csv"),
     ("inverse three_prs --pose y=3,psi=0,phi=0", "out of reach"),
-    ("inverse three_prs --pose y=0.4", "a pose of 'three_prs' is 3 coordinates, not 1"),
+    (
+        "inverse three_prs --pose y=0.4",
+        "a pose of 'three_prs' is 3 of its coordinates, usually of the end effector, not 1",
+    ),
     ("inverse three_prs --pose y=0.4 --at s1=0.6", "not both"),
     ("inverse three_prs --rates s1=1", "give it with --at"),
     ("inverse three_prs --until 0", "--until must be a positive number"),

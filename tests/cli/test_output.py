@@ -4,23 +4,22 @@ from __future__ import annotations
 
 import pytest
 
-from nullbody.cli.output import print_json, print_table
+from nullbody.cli.output import ROUNDING, print_json, print_table
 
 
 @pytest.mark.parametrize(
-    ("columns", "value", "shown"),
+    ("smallest", "value", "shown"),
     [
-        (("coordinate", "value"), -9.9e-15, "0"),
-        (("input", "value"), 1.1e-14, "1.1e-14"),
-        (("t [s]", "F1 [N]"), 3e-17, "0"),
-        (("name", "start"), -0.0, "0"),
-        (("name", "start"), float("nan"), "nan"),
-        (("singularity", "measure"), 1e-16, "1e-16"),
-        (("parameter", "default"), 1e-15, "1e-15"),
+        (ROUNDING, -9.9e-15, "0"),
+        (ROUNDING, 1.1e-14, "1.1e-14"),
+        (ROUNDING, -0.0, "0"),
+        (ROUNDING, float("nan"), "nan"),
+        (0.0, 1e-16, "1e-16"),
+        (0.0, -0.0, "0"),
     ],
 )
-def test_small_numbers(columns, value: float, shown: str, capsys: pytest.CaptureFixture[str]) -> None:
-    print_table("", columns, [("it", value)])
+def test_small_numbers(smallest: float, value: float, shown: str, capsys: pytest.CaptureFixture[str]) -> None:
+    print_table(("name", "value"), [("it", value)], smallest=smallest)
     assert capsys.readouterr().out.split()[-1] == shown
 
 

@@ -24,7 +24,7 @@ def division_free(found: Quantities) -> NDArray[np.float64]:
     """v' of (N~^T M N~) v' = Delta N~^T Q - N~^T (Delta h + M gamma~)."""
     N, delta, M = found["N_scaled"], found["delta"], found["M"]
     right = delta * (N.T @ found["Q"]) - N.T @ (delta * found["h"] + M @ found["gamma_scaled"])
-    return np.linalg.solve(N.T @ M @ N, right)
+    return np.asarray(np.linalg.solve(N.T @ M @ N, right), dtype=np.float64)
 
 
 def agree(found: NDArray[np.float64], expected: NDArray[np.float64]) -> bool:

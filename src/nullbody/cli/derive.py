@@ -85,4 +85,4 @@ def _print_operations(derived: Equations) -> None:
     compiled = [(name, derived.routine_operations(name)) for name in derived.routines]
     for kind, counts in (("output", counted), ("routine", compiled)):
         rows = [(name, n.arithmetic, n.add, n.mul, n.div, n.sqrt, n.trig) for name, n in counts]
-        print_table("", (kind, "arithmetic", "+", "*", "/", "sqrt", "sin, cos"), rows)
+        print_table((kind, "arithmetic", "+", "*", "/", "sqrt", "sin, cos"), rows)

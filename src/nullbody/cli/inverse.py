@@ -19,7 +19,7 @@ from nullbody.cli.options import (
     complete,
     model_of,
 )
-from nullbody.cli.output import print_json, print_table
+from nullbody.cli.output import ROUNDING, print_json, print_table
 from nullbody.errors import InputError
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def _pose(model: Model, pose: dict[str, float], near: dict[str, float] | None, a
         print_json({"coordinates": state.positions, "singularity": measures})
         return
     _print_coordinates(model, state)
-    print_table("", ("singularity", "measure"), measures.items())
+    print_table(("singularity", "measure"), measures.items())
 
 
 def _at(model: Model, state: State, v_dot: dict[str, float], as_json: bool) -> None:
@@ -103,8 +103,8 @@ def _at(model: Model, state: State, v_dot: dict[str, float], as_json: bool) -> N
         print_json({**entries, "inputs": inputs, "reactions": reactions})
         return
     _print_coordinates(model, state)
-    print_table("", ("input", "value"), inputs.items())
-    print_table("", ("reaction", "lambda"), reactions.items())
+    print_table(("input", "value"), inputs.items(), smallest=ROUNDING)
+    print_table(("reaction", "lambda"), reactions.items(), smallest=ROUNDING)
 
 
 def _along_reference(model: Model, until: float, samples: int, near: dict[str, float] | None, as_json: bool) -> None:
@@ -126,7 +126,7 @@ def _along_reference(model: Model, until: float, samples: int, near: dict[str, f
         return
     units = [("s" if name == "t" else _unit(model, name)) for name in rows[0]]
     columns = [f"{name} [{unit}]" for name, unit in zip(rows[0], units, strict=True)]
-    print_table("", columns, [tuple(row.values()) for row in rows])
+    print_table(columns, [tuple(row.values()) for row in rows], smallest=ROUNDING)
 
 
 def _unit(model: Model, name: str) -> str:
@@ -140,4 +140,6 @@ def _unit(model: Model, name: str) -> str:
 
 def _print_coordinates(model: Model, state: State) -> None:
     units = model.mechanism.units
-    print_table("", ("coordinate", "value", "unit"), [(n, x, units[n]) for n, x in state.positions.items()])
+    print_table(
+        ("coordinate", "value", "unit"), [(n, x, units[n]) for n, x in state.positions.items()], smallest=ROUNDING
+    )

@@ -28,7 +28,7 @@ def models(as_json: Json = False) -> None:
         print(f"  inputs: {', '.join(f'{key} along {value}' for key, value in entry['inputs'].items())}\n")
         columns = ("parameter", "default", "formula", "unit", "meaning")
         rows = [(key, p["default"], p["formula"], p["unit"], p["meaning"]) for key, p in entry["parameters"].items()]
-        print_table("", columns, rows)
+        print_table(columns, rows)
 
 
 def _entry(name: str) -> dict[str, Any]:

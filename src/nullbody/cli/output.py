@@ -11,8 +11,7 @@ from typing import Any
 __all__ = ["complain", "note", "print_json", "print_table"]
 
 _WIDE = 200  # columns of a file or a pipe, where nothing has to be folded
-_OF_MOTION = ("coordinate", "input", "name", "t [s]")  # first columns of the tables of positions, rates and inputs
-_ROUNDING = 1e-14  # [m, rad, N, ...] what is less than this in such a table is 0 but for rounding
+ROUNDING = 1e-14  # [m, rad, N, ...] what is less than this in such a table is 0 but for rounding
 
 
 def print_json(value: object) -> None:
@@ -32,18 +31,17 @@ def _plain(value: Any) -> Any:
     return value if isinstance(value, str | int | float | None) else str(value)
 
 
-def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+def print_table(columns: Sequence[str], rows: Iterable[Sequence[object]], *, smallest: float = 0.0) -> None:
     """A table; numbers stand right-aligned, floats with 10 digits and without a sign on 0.
 
-    Positions, rates and inputs below 1e-14 are shown as 0; in other tables such numbers are residuals or measures.
+    Numbers below `smallest` are shown as 0: `ROUNDING` for positions, rates, inputs and reactions, not for measures.
     """
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table
 
     cells = [list(row) for row in rows]
-    smallest = _ROUNDING if columns[0] in _OF_MOTION else 0.0
-    table = Table(title=title or None, box=SIMPLE_HEAD, title_justify="left", title_style="bold", pad_edge=False)
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
     for number, column in enumerate(columns):
         numeric = all(isinstance(row[number], int | float) for row in cells)
         table.add_column(column, justify="right" if numeric else "left", overflow="fold")

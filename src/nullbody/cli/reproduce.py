@@ -48,7 +48,7 @@ def reproduce(out: Folder = Path("out/reproduce"), show: Open = False, as_json: 
         print_json(summary)
     else:
         rows = [(words, _found(summary, key)) for key, words in _HEADLINES.items()]
-        print_table("", ("what", "found"), [(words, value) for words, value in rows if value])
+        print_table(("what", "found"), [(words, value) for words, value in rows if value])
         print(page)
     differing = summary.get("checks", {}).get("differs", 0)
     if differing:

@@ -23,7 +23,7 @@ from nullbody.cli.options import (
     complete,
     model_of,
 )
-from nullbody.cli.output import complain, note, print_json, print_table
+from nullbody.cli.output import ROUNDING, complain, note, print_json, print_table
 from nullbody.cli.reference import reference_of
 from nullbody.errors import InputError, SimulationError
 
@@ -193,6 +193,6 @@ def _show(trajectory: Trajectory, until: float, out: Path | None, as_json: bool)
     units = dict(model.mechanism.units)
     units |= {f"{name}_dot": f"{units[name]}/s" for name in model.independent}
     rows = [(name, float(column[0]), float(column[-1]), units[name]) for name, column in values.items()]
-    print_table("", ("name", "start", "end", "unit"), rows)
+    print_table(("name", "start", "end", "unit"), rows, smallest=ROUNDING)
     if out is not None:
         note(f"written to {out}")

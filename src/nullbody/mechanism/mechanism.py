@@ -86,6 +86,7 @@ class Mechanism:
         return tuple(actuator.coordinate for actuator in self.actuators)
 
     def __str__(self) -> str:
+        """A summary for the terminal."""
         lines = [f"Mechanism {self.name!r}: {len(self.bodies)} bodies, {len(self.coordinates)} coordinates"]
         for joint in self.joints:
             kind = type(joint).__name__.lower()

@@ -21,7 +21,11 @@ __all__ = ["Energy", "Model", "NullSpaceValues", "checked_model"]
 
 
 def checked_model(model: object) -> None:
-    """Raise unless this is a Model."""
+    """Raise unless this is a Model.
+
+    Raises:
+        InputError: it is something else.
+    """
     if not isinstance(model, Model):
         raise InputError(f"a Model from nullbody.build(equations) is needed here, not {type(model).__name__}")
 

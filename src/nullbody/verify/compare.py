@@ -67,8 +67,7 @@ def compare(
     sampled = admissible_states(model, states, seed)
     total = states * sum(isinstance(engine, AbstractEngine) for engine in made)
     drawn = np.random.default_rng([seed, 1]).normal(size=(states, len(model.inputs))) * _input_scale(model)
-    tick = progress or (lambda done, total: None)
-    ticks = iter(range(1, total + 1))
+    tick, ticks = progress or (lambda done, total: None), iter(range(1, total + 1))
     results = []
     for engine in made:
         if isinstance(engine, EngineResult):
