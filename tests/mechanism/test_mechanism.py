@@ -126,15 +126,15 @@ def test_a_mechanism_that_makes_no_sense_is_refused(case: str) -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"joints": (SLIDE, Revolute("swing", "carts", "arm", ("angle",)))}, "of joint 'swing'.*mean 'cart'"),
+        ({"joints": (SLIDE, Revolute("swing", "carts", "arm", ("angle",)))}, "joint 'swing': .*mean 'cart'"),
         ({"joints": (SLIDE, SWING, Revolute("more", "cart", "legs", ("other",)))}, "no body .*'legs'"),
-        ({"loops": (Spherical("pin", "arms", (0, 0, 0), "ground", (0, 0, 0)),)}, "of joint 'pin'.*mean 'arm'"),
-        ({"actuators": (Actuator("push", "angel"),)}, "of actuator 'push'.*mean 'angle'"),
-        ({"home": {"angel": 1}}, "of home.*mean 'angle'"),
+        ({"loops": (Spherical("pin", "arms", (0, 0, 0), "ground", (0, 0, 0)),)}, "joint 'pin': .*mean 'arm'"),
+        ({"actuators": (Actuator("push", "angel"),)}, "actuator 'push': .*mean 'angle'"),
+        ({"home": {"angel": 1}}, "home: .*mean 'angle'"),
         ({"end_effector": "harm"}, "end effector.*mean 'arm'"),
-        ({"bodies": body(mass="R")}, "used in body 'arm'"),
+        ({"bodies": body(mass="R")}, "body 'arm': there is no parameter"),
         ({"gravity": (0, "-g", 0)}, "'g'"),
-        ({"parameters": (LENGTH, Parameter("d", "s"))}, "used in the default of d"),
+        ({"parameters": (LENGTH, Parameter("d", "s"))}, "the default of d: "),
     ],
 )
 def test_unknown_names_are_named_with_a_suggestion(changes: dict[str, Any], message: str) -> None:
