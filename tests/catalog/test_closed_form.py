@@ -15,7 +15,7 @@ from tests.oracles.robot import COORDINATES
 
 DATA = json.loads((Path(__file__).parents[1] / "data" / "prs3_inverse_dynamics.json").read_text(encoding="utf-8"))
 PARAMETERS = three_prs().values()
-FORM = closed_form_of("three_prs")
+FORM = closed_form_of(three_prs())
 assert FORM is not None
 
 

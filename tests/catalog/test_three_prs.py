@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -111,5 +112,7 @@ def test_the_catalog_by_name() -> None:
     assert catalog.mechanism("three_prs", l=0.6) == three_prs(l=0.6)
     with pytest.raises(UnknownName, match="no model in the catalog 'three_rps'; did you mean 'three_prs'"):
         catalog.mechanism("three_rps")
-    assert catalog.closed_form_of("three_prs") is not None
-    assert catalog.closed_form_of("stewart") is None
+    robot = catalog.three_prs(l=0.7)
+    assert catalog.closed_form_of(robot) is not None
+    assert catalog.closed_form_of(replace(robot, name="other")) is None
+    assert catalog.closed_form_of(replace(robot, loops=robot.loops[:2])) is None

@@ -32,9 +32,10 @@ OUTPUTS = {
 }
 ROUTINES = {
     "closure": 114,
-    "kinematics": 809,
-    "forward_dynamics": 1244,
-    "inverse_dynamics": 1039,
+    "redundant": 0,
+    "kinematics": 855,
+    "forward_dynamics": 1324,
+    "inverse_dynamics": 1240,
     "reactions": 631,
     "energy": 101,
 }

@@ -115,13 +115,11 @@ def routines(found: Quantities, sample: Sample) -> None:
     spread = (sample.truth["N"][:9] ** 2).sum()
     for routine in ("kinematics", "forward_dynamics", "inverse_dynamics"):
         close(found[f"{routine}.spread"], spread, f"{routine}: spread")
-    loss = _loss(sample.truth["N"].T @ sample.truth["M"] @ sample.truth["N"])
-    close(found["forward_dynamics.loss"], loss, "forward_dynamics: loss")
-
-
-def _loss(Mr: np.ndarray) -> float:
-    """sum_j Mr_jj / D_j, D from Cholesky's factor."""
-    return float((np.diag(Mr) / np.diag(np.linalg.cholesky(Mr)) ** 2).sum())
+    M, N = sample.truth["M"], sample.truth["N"]
+    size, Mr = (N**2).T @ np.diag(M), N.T @ M @ N
+    pivots = np.diag(np.linalg.cholesky(Mr)) ** 2
+    close(found["forward_dynamics.loss"], (size / pivots).sum(), "forward_dynamics: loss")
+    close(found["inverse_dynamics.loss"], (size / np.diag(Mr)).sum(), "inverse_dynamics: loss")
 
 
 def power(found: Quantities, sample: Sample) -> None:

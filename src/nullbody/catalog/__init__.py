@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -33,9 +34,14 @@ def mechanism(name: str, **values: float) -> Mechanism:
     return MODELS[name](**values)
 
 
-def closed_form_of(name: str) -> ClosedForm | None:
-    """Closed-form kinematics of a mechanism of the catalog, or None."""
-    if name not in CLOSED_FORMS:
+def closed_form_of(given: Mechanism) -> ClosedForm | None:
+    """Closed-form kinematics of a mechanism of the catalog, with any parameter values, or None."""
+    if given.name not in CLOSED_FORMS:
         return None
-    found: ClosedForm = import_module(CLOSED_FORMS[name]).CLOSED_FORM
+    known = MODELS[given.name]()
+    if replace(given, parameters=known.parameters) != known or [p.name for p in given.parameters] != [
+        p.name for p in known.parameters
+    ]:
+        return None
+    found: ClosedForm = import_module(CLOSED_FORMS[given.name]).CLOSED_FORM
     return found

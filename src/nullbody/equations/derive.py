@@ -13,11 +13,11 @@ from nullbody.equations.closure import Closures, closures
 from nullbody.equations.equations import Equations, Routine
 from nullbody.equations.frame import frames
 from nullbody.equations.inertia import Inertia, inertia
-from nullbody.equations.reduction import acceleration, forward, input_matrix, inverse, reduce, required_inputs
+from nullbody.equations.reduction import acceleration, forward, gross, input_matrix, inverse, reduce, required_inputs
 from nullbody.equations.scalar import ParameterScalars
 from nullbody.errors import InputError, SingularityError, UnknownName
 from nullbody.expr import Expr, Graph, directional, substitute
-from nullbody.expr.matrix import add, matvec, scale, total
+from nullbody.expr.matrix import add, dot, matvec, scale, total
 from nullbody.mechanism import Mechanism
 from nullbody.nullspace import NullSpace, echelon, null_space
 
@@ -184,19 +184,25 @@ def _routines(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symb
     h, c = substitute(bodies.h, onto), substitute(_simplified_c(space, symbols), onto)
     gamma = space.offset(c, of_simplified=True)
     reduced = reduce(bodies.M, h, N, gamma)
-    check = {"delta": space.delta, "spread": total(e * e for row in N for e in row if isinstance(e, Expr))}
+    spread = total(e * e for row in N for e in row if isinstance(e, Expr))
+    check = {"delta": space.delta, "spread": spread, "doubt": space.doubt}
     Br = input_matrix(N, symbols.input_columns)
-    v_dot, loss = forward(reduced, Br, symbols.u)
+    size = gross(bodies.M, N)
+    v_dot, loss = forward(reduced, Br, symbols.u, size)
+    cancelled = dot(size, [1 / reduced.Mr[j][j] for j in range(len(size))])
     Qr = inverse(bodies.M, h, N, acceleration(N, symbols.group("v_dot"), gamma))
     unbalanced = add(symbols.Q, scale(-1, add(matvec(bodies.M, symbols.group("q_ddot")), bodies.h)))
     lam = space.multipliers(unbalanced)
     routines = {
         "closure": Routine(("q",), {"Phi": [loops.Phi[i] for i in space.rows], "A": [loops.A[i] for i in space.rows]}),
+        "redundant": Routine(("q",), {"Phi": [loops.Phi[i] for i in space.redundant]}),
         "kinematics": Routine(("q", "v"), {"N": N, "gamma": gamma, "q_dot": qd, **check}),
         "forward_dynamics": Routine(
             ("q", "v", "u"), {"q_ddot": acceleration(N, v_dot, gamma), "q_dot": qd, **check, "loss": loss}
         ),
-        "inverse_dynamics": Routine(("q", "v", "v_dot"), {"Qr": Qr, "u": required_inputs(Br, Qr), **check}),
+        "inverse_dynamics": Routine(
+            ("q", "v", "v_dot"), {"Qr": Qr, "u": required_inputs(Br, Qr), **check, "loss": cancelled}
+        ),
         "reactions": Routine(("q", "q_dot", "u", "q_ddot"), {"lam": [lam[i] for i in space.rows]}),
         "energy": Routine(("q", "q_dot"), {"T": bodies.T, "U": bodies.U}),
     }

@@ -23,6 +23,7 @@ __all__ = [
     "Reduced",
     "acceleration",
     "forward",
+    "gross",
     "input_matrix",
     "inverse",
     "reduce",
@@ -59,19 +60,26 @@ def input_matrix(N: Matrix, columns: Sequence[Vector]) -> list[list[Any]]:
     return [[dot(column, s) for s in columns] for column in transpose(N)]
 
 
-def forward(reduced: Reduced, Br: Matrix, u: Vector) -> tuple[list[Any], Any]:
-    """v' = Mr^-1 (Br u - hr), and what solving for it loses (`solve_symmetric`).
+def gross(M: Matrix, N: Matrix) -> list[Any]:
+    """sum_k N_kj^2 M_kk for each j: the size of what adds up to Mr_jj, before anything cancels."""
+    diagonal = [M[k][k] for k in range(len(M))]
+    return [dot([entry * entry for entry in column], diagonal) for column in transpose(N)]
+
+
+def forward(reduced: Reduced, Br: Matrix, u: Vector, size: Vector) -> tuple[list[Any], Any]:
+    """v' = Mr^-1 (Br u - hr), and its loss: sum_j size_j / D_j with the pivots D of Mr, `size` from `gross`.
 
     Raises:
         MechanismError: Mr is singular in every configuration.
     """
     try:
-        return solve_symmetric(reduced.Mr, add(matvec(Br, u), scale(-1, reduced.hr)))
+        v_dot, pivots = solve_symmetric(reduced.Mr, add(matvec(Br, u), scale(-1, reduced.hr)))
     except ZeroDivisionError:
         raise MechanismError(
             "the reduced mass matrix is singular in every configuration: some motion moves no mass; "
             "give the bodies that move with it a mass or an inertia"
         ) from None
+    return v_dot, dot(size, pivots)
 
 
 def inverse(M: Matrix, h: Vector, N: Matrix, q_ddot: Vector) -> list[Any]:
@@ -87,11 +95,11 @@ def required_inputs(Br: Matrix, Qr: Sequence[Any]) -> list[Any]:
     return [] if is_zero(factors.delta) else factors.solve(Qr)
 
 
-def solve_symmetric(matrix: Matrix, right: Sequence[Any]) -> tuple[list[Any], Any]:
-    """x with S x = r for a positive definite S, by S = L D L^T without square roots, and what it loses.
+def solve_symmetric(matrix: Matrix, right: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+    """x with S x = r for a positive definite S, by S = L D L^T without square roots.
 
     Returns:
-        x, and sum_j S_jj / D_j: n for a diagonal S, 1e16 where S is singular to rounding.
+        x, and the reciprocals of the pivots D.
     """
     n = len(right)
     L: list[list[Any]] = [[0] * n for _ in range(n)]
@@ -109,4 +117,4 @@ def solve_symmetric(matrix: Matrix, right: Sequence[Any]) -> tuple[list[Any], An
     x: list[Any] = scale(1, [a * b for a, b in zip(y, inverse, strict=True)])
     for i in reversed(range(n)):
         x[i] = total((x[i], -dot([L[k][i] for k in range(i + 1, n)], x[i + 1 :])))
-    return x, total(matrix[j][j] * inverse[j] for j in range(n))
+    return x, inverse

@@ -63,6 +63,7 @@ def assemble(
             raise _branch_ends(known, reach, path)
     if not closed.converged:
         raise _unreachable(model, known, closed, reach, path)
+    model.check_redundant(closed.q)
     return model.trusted_state(closed.q, rate)
 
 

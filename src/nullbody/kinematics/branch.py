@@ -62,7 +62,7 @@ def branches(model: Model, known: Mapping[str, float], guess: State | Mapping[st
         raise InputError(f"give {len(model.independent)} coordinates to enumerate branches, not {len(fixed)}")
     start = start_coordinates(model, guess)
     free = np.setdiff1d(np.arange(len(model.coordinates)), fixed)
-    closed_form = closed_form_of(model.mechanism.name)
+    closed_form = closed_form_of(model.mechanism)
     candidates = closed_form.assemblies(model.parameters, known) if closed_form else None
     if candidates is not None:
         starts = [np.array([candidate[name] for name in model.coordinates]) for candidate in candidates]
@@ -102,7 +102,7 @@ def inverse_kinematics(
             f"a pose of {model.mechanism.name!r} is {len(model.independent)} of its coordinates, "
             f"usually of the end effector, not {len(fixed)}"
         )
-    closed_form = closed_form_of(model.mechanism.name)
+    closed_form = closed_form_of(model.mechanism)
     start = start_coordinates(model, guess)
     candidates = closed_form.inverse(model.parameters, pose) if closed_form else None
     if candidates is None:
@@ -122,7 +122,7 @@ def _determined(model: Model, state: State, pose: Mapping[str, float], fixed: In
     """The state, if the pose determines it: the other coordinates cannot move with the pose held."""
     free = np.setdiff1d(np.arange(len(state.q)), fixed)
     sizes = np.linalg.svd(model.jacobian(state.q)[:, free], compute_uv=False)
-    if sizes[-1] < _SINGULAR * sizes[0]:
+    if len(sizes) and sizes[-1] < _SINGULAR * sizes[0]:
         raise SingularityError(
             f"{', '.join(pose)} do not determine {model.mechanism.name!r} here (smallest to largest singular value "
             f"{sizes[-1] / sizes[0]:.1e}). Give other end-effector coordinates"

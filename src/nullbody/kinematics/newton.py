@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nullbody.model import Model
-from nullbody.tolerances import CLOSED, EPS, NEWTON_STEPS
+from nullbody.tolerances import CLOSED, EPS, GIVEN_CLOSED, NEWTON_STEPS
 from nullbody.typing import FloatArray, IndexArray
 
 __all__ = ["Closed", "close_loops", "closed_to", "project"]
@@ -28,12 +28,12 @@ class Closed(NamedTuple):
 
 
 def closed_to(A: FloatArray, q: FloatArray) -> float:
-    """|Phi| at which loops count as closed [m]: 1e-14, or 32 roundings of the lengths where that is more.
+    """|Phi| at which loops count as closed [m]: 1e-14, or 32 roundings of the lengths where that is more, at most 1e-9.
 
     The lengths are max_i sum_j |A_ij| max(|q_j|, 1): levers times angles, and displacements.
     """
     lengths = np.abs(A) @ np.maximum(np.abs(q), 1.0)
-    return max(CLOSED, 32 * EPS * float(lengths.max(initial=0.0)))
+    return max(CLOSED, min(32 * EPS * float(lengths.max(initial=0.0)), GIVEN_CLOSED))
 
 
 def close_loops(model: Model, q: FloatArray, free: IndexArray) -> Closed:

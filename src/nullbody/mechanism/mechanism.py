@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from math import isfinite
 from typing import Any
 
 from nullbody.errors import ExpressionError, MechanismError, ParameterError, UnknownName
@@ -118,6 +119,9 @@ class Mechanism:
             ParameterError: a value is of the wrong kind or sign, or a body gets an impossible inertia.
         """
         values = parameter_values(self.parameters, given or {})
+        for place, scalars in self._scalars():
+            for scalar in scalars:
+                _finite(scalar, values, place)
         for body in self.bodies:
             _check_physical(body, values)
         return values
@@ -240,6 +244,15 @@ def _angles(placement: Placement, place: str) -> list[Scalar]:
             raise MechanismError(f"a rotation of {place} needs either degrees or radians")
         angles += given
     return angles
+
+
+def _finite(scalar: Any, values: Mapping[str, float], place: str) -> None:
+    try:
+        number = float(parse(scalar, values.__getitem__))
+    except ExpressionError as error:
+        raise ParameterError(f"{place}: {error}") from None
+    if not isfinite(number):
+        raise ParameterError(f"{place}: {scalar!r} is {number} for these parameters")
 
 
 def _check_physical(body: Body, values: Mapping[str, float]) -> None:

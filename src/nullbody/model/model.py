@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nullbody.errors import InputError, SingularityError, StateError
+from nullbody.errors import AssemblyError, InputError, SingularityError, StateError
 from nullbody.kernels import Library
 from nullbody.mechanism import Mechanism
 from nullbody.model.state import State, vector
-from nullbody.tolerances import GIVEN_CLOSED, LARGE_SPREAD, REGULAR_LOSS, REGULAR_SPREAD
+from nullbody.tolerances import GIVEN_CLOSED, LARGE_SPREAD, REGULAR_DOUBT, REGULAR_LOSS, REGULAR_SPREAD
 from nullbody.typing import FloatArray
 
 __all__ = ["Energy", "Model", "NullSpaceValues", "checked_model"]
@@ -127,22 +127,16 @@ class Model:
         Raises:
             UnknownName, InputError: wrong names, sizes or values.
             StateError: a loop is open by more than a nanometre; the message names it. `assemble` closes loops.
+            AssemblyError: the loops can never close for these parameters.
         """
         position = vector(q, self.coordinates, "coordinate")
         rate = np.zeros(len(self.independent)) if v is None else vector(v, self.independent, "independent rate")
-        residual = self.residual(position)
-        if not np.abs(residual).max(initial=0.0) <= GIVEN_CLOSED:
-            worst = int(np.abs(residual).argmax())
-            raise StateError(
-                f"loop {self.labels[worst].split()[0]!r} is open by {abs(residual[worst]):.3g} m "
-                f"along {self.labels[worst].split()[1]}: the state is not on the constraint manifold. "
-                "nullbody.assemble(model, {...}) closes the loops for given coordinates"
-            )
+        self._check_closed(position)
         return self.trusted_state(position, rate)
 
     def trusted_state(self, q: FloatArray, v: FloatArray) -> State:
         """A state that the caller has closed already (Newton, projection): not checked."""
-        return State(q, v, self.coordinates, self.independent)
+        return State(q, v, self.coordinates, self.independent, self.values)
 
     # -- kernels --------------------------------------------------------------------------------------------
 
@@ -170,9 +164,10 @@ class Model:
         Raises:
             SingularityError: |B| vanishes for these independent coordinates.
         """
-        N, gamma, _, delta, spread = self.evaluate("kinematics", state.q, state.v)
-        self._check_regular(spread, delta)
-        return NullSpaceValues(N, gamma, float(delta))
+        self.own(state)
+        N, gamma, _, *measures = self.evaluate("kinematics", state.q, state.v)
+        self._check_regular(*measures)
+        return NullSpaceValues(N, gamma, float(measures[0]))
 
     def velocity(self, state: State) -> FloatArray:
         """q' = N v, all rates [m/s, rad/s].
@@ -180,8 +175,9 @@ class Model:
         Raises:
             SingularityError: |B| vanishes for these independent coordinates.
         """
-        _, _, q_dot, delta, spread = self.evaluate("kinematics", state.q, state.v)
-        self._check_regular(spread, delta)
+        self.own(state)
+        _, _, q_dot, *measures = self.evaluate("kinematics", state.q, state.v)
+        self._check_regular(*measures)
         return q_dot
 
     def acceleration(self, state: State, v_dot: object) -> FloatArray:
@@ -223,8 +219,9 @@ class Model:
                 f"inverse dynamics needs one input for each of the {len(self.independent)} degrees of freedom; "
                 f"{self.mechanism.name!r} has {len(self.inputs)}. `generalized_forces` gives N^T Q instead"
             )
-        _, u, delta, spread = self.evaluate("inverse_dynamics", state.q, state.v, wanted)
-        self._check_regular(spread, delta)
+        self.own(state)
+        Qr, u, *measures = self.evaluate("inverse_dynamics", state.q, state.v, wanted)
+        self._check_dynamic(Qr, *measures)
         if len(u) != len(self.inputs) or not np.isfinite(u).all():
             where = "anywhere" if len(u) != len(self.inputs) else "here: some motion needs no work of theirs"
             raise SingularityError(f"the inputs {', '.join(self.inputs)} cannot drive all degrees of freedom {where}")
@@ -237,8 +234,9 @@ class Model:
             SingularityError: |B| vanishes for these independent coordinates.
         """
         wanted = vector(v_dot, self.independent, "independent acceleration")
-        Qr, _, delta, spread = self.evaluate("inverse_dynamics", state.q, state.v, wanted)
-        self._check_regular(spread, delta)
+        self.own(state)
+        Qr, _, *measures = self.evaluate("inverse_dynamics", state.q, state.v, wanted)
+        self._check_dynamic(Qr, *measures)
         return Qr
 
     def reactions(self, state: State, u: object = None) -> FloatArray:
@@ -271,23 +269,74 @@ class Model:
         """Inputs as a vector; None is zero, a mapping is by name."""
         return np.zeros(len(self.inputs)) if u is None else vector(u, self.inputs, "input")
 
+    def own(self, state: State) -> State:
+        """The state, if it is one of this model: same coordinates, closed for these parameters.
+
+        Raises:
+            InputError: not a State, or one of other coordinates.
+            StateError: its loops are open for these parameter values.
+        """
+        if not isinstance(state, State):
+            raise InputError(f"a State from model.state(q, v) or assemble(...) is needed, not {type(state).__name__}")
+        if (state.coordinates, state.independent) != (self.coordinates, self.independent):
+            raise InputError(
+                f"the state has v = rates of {', '.join(state.independent)}, the model has rates of "
+                f"{', '.join(self.independent)}: make the state with this model"
+            )
+        if state.parameters is not self.values and state.parameters != self.values:
+            self._check_closed(state.q)
+        return state
+
+    def _check_closed(self, q: FloatArray) -> None:
+        residual = self.residual(q)
+        if not np.abs(residual).max(initial=0.0) <= GIVEN_CLOSED:
+            worst = int(np.abs(residual).argmax())
+            raise StateError(
+                f"loop {self.labels[worst].rpartition(' ')[0]!r} is open by {abs(residual[worst]):.3g} m along "
+                f"{self.labels[worst].rpartition(' ')[2]}: the state is not on the constraint manifold of these "
+                "parameters. nullbody.assemble(model, {...}) closes the loops for given coordinates"
+            )
+        self.check_redundant(q)
+
+    def check_redundant(self, q: FloatArray) -> None:
+        """Raise where an equation that `derive` left out as a repetition is not fulfilled: no motion can mend that.
+
+        Raises:
+            AssemblyError: it is open by more than a nanometre for these parameter values.
+        """
+        dropped = self.evaluate("redundant", q)[0]
+        if not np.abs(dropped).max(initial=0.0) <= GIVEN_CLOSED:
+            raise AssemblyError(
+                f"the loops of {self.mechanism.name!r} can never close for these parameters: an equation that no "
+                f"coordinate changes independently is open by {np.abs(dropped).max():.3g} m. Check the lengths"
+            )
+
     def _forward(self, state: State, inputs: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(q'', q') for given inputs, checked."""
-        q_ddot, q_dot, delta, spread, loss = self.evaluate("forward_dynamics", state.q, state.v, inputs)
-        lost = not abs(loss) < REGULAR_LOSS or not np.isfinite(q_ddot).all()
-        self._check_regular(spread, delta, LARGE_SPREAD if lost else REGULAR_SPREAD)
-        if lost:
-            raise SingularityError(
-                "the reduced mass matrix is singular here: a motion of the mechanism moves no mass, or next to none. "
-                "Check the masses and inertias"
-            )
+        self.own(state)
+        q_ddot, q_dot, *measures = self.evaluate("forward_dynamics", state.q, state.v, inputs)
+        self._check_dynamic(q_ddot, *measures)
         return q_ddot, q_dot
 
-    def _check_regular(self, spread: FloatArray, delta: FloatArray, limit: float = REGULAR_SPREAD) -> None:
-        if spread < limit:
+    def _check_dynamic(
+        self, result: FloatArray, delta: FloatArray, spread: FloatArray, doubt: FloatArray, loss: FloatArray
+    ) -> None:
+        lost = not abs(loss) < REGULAR_LOSS or not np.isfinite(result).all()
+        self._check_regular(delta, spread, doubt, limit=LARGE_SPREAD if lost else REGULAR_SPREAD)
+        if lost:
+            raise SingularityError(
+                "the reduced mass matrix is singular here, to rounding: a motion of the mechanism moves no mass, or "
+                "next to none, or a free joint stands at theta = +-90 degrees. Check the masses and inertias, or "
+                "stay away"
+            )
+
+    def _check_regular(
+        self, delta: FloatArray, spread: FloatArray, doubt: FloatArray, *, limit: float = REGULAR_SPREAD
+    ) -> None:
+        if spread < limit and doubt < REGULAR_DOUBT:
             return
         size = float(np.sqrt(spread)) if np.isfinite(spread) else float("inf")
-        lost = min(16.0, max(0.0, np.log10(size)))
+        lost = min(16.0, max(0.0, np.log10(size))) if doubt < REGULAR_DOUBT else 16.0
         raise SingularityError(
             f"the independent coordinates {', '.join(self.independent)} are singular here: "
             f"|B| = {float(delta):.3g}, |N| = {size:.3g}, so results would lose {lost:.0f} of 16 digits. "

@@ -24,12 +24,14 @@ class State:
         q: all coordinates, in the order of `coordinates` [m, rad]; read-only.
         v: rates of the independent coordinates [m/s, rad/s]; read-only.
         coordinates, independent: their names.
+        parameters: values of the model that made it; another model checks the closures anew.
     """
 
     q: FloatArray
     v: FloatArray
     coordinates: tuple[str, ...]
     independent: tuple[str, ...]
+    parameters: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         for array in (self.q, self.v):
@@ -78,7 +80,7 @@ def vector(values: object, names: tuple[str, ...], kind: str, *, finite: bool = 
         if raw.dtype.kind not in "iufO" or any(isinstance(x, str) for x in raw.flat if raw.dtype.kind == "O"):
             raise TypeError("texts, truth values and complex numbers would convert")
         array = np.array(raw, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{kind} values must be real numbers, not {values!r}") from None
     if array.shape != (len(names),):
         raise InputError(

@@ -90,6 +90,11 @@ class NullSpace:
         return tuple(values.get(i, 0) for i in range(len(self.rows) + len(self.redundant)))
 
     @property
+    def doubt(self) -> Any:
+        """How near delta is to rounding, see `Elimination.doubt`; 0 without irreducible blocks."""
+        return self._factors.doubt
+
+    @property
     def operations(self) -> Operations:
         """Operation counts of the basis, for expressions of a graph."""
         return operations([entry for row in self.basis for entry in row if isinstance(entry, Expr)])

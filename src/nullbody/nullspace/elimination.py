@@ -113,6 +113,22 @@ class Elimination:
         return y
 
     @property
+    def doubt(self) -> Any:
+        """Sum over the blocks of (product of column lengths)^2 / delta^2 (Hadamard): 1 at best, 1e30 where 0/0.
+
+        A block whose determinant is at rounding level gives an arbitrary solution, however small that looks.
+        """
+        terms = []
+        for block in self.blocks:
+            product: Any = 1
+            for column in block.columns:
+                entries = [self._matrix[row][column] for row in block.rows]
+                product = dot(entries, entries) * product
+            inverse = reciprocal(block.delta)
+            terms.append(product * (inverse * inverse))
+        return total(terms)
+
+    @property
     def _core(self) -> list[int]:
         return [column for block in self.blocks for column in block.columns]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -15,8 +15,12 @@ __all__ = ["usable_folder", "write_texts", "written"]
 _ADVICE = "give another folder, or free this one"
 
 
-def usable_folder(out: str | Path) -> Path:
+def usable_folder(out: str | Path, files: Sequence[str] = ()) -> Path:
     """The folder, made where it is missing, after a file has been written and removed in it.
+
+    Args:
+        out: the folder.
+        files: what will be written in it.
 
     Raises:
         OutputError: it is no folder, or it cannot be made or written.
@@ -25,6 +29,9 @@ def usable_folder(out: str | Path) -> Path:
     for part in (folder, *folder.parents):
         if part.exists() and not part.is_dir():
             raise OutputError(f"the report cannot be written to {folder}: {part} is a file, not a folder; {_ADVICE}")
+    for name in files:
+        if (folder / name).is_dir():
+            raise OutputError(f"the report cannot be written to {folder}: {name} in it is a folder; {_ADVICE}")
     try:
         folder.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(dir=folder, prefix=".nullbody-", suffix=".tmp")

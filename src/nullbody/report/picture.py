@@ -10,6 +10,7 @@ import numpy as np
 
 from nullbody.catalog import three_prs
 from nullbody.equations import derive
+from nullbody.errors import OutputError
 from nullbody.kinematics import assemble
 from nullbody.model import Model, State, build
 from nullbody.report.figure import BLACK, COLOURS, GREY, drawing, save
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_pair", "robot_picture"]
 
+_FORMATS = (".png", ".svg", ".pdf")
 _AZIMUTH, _ELEVATION = np.radians(13.0), np.radians(30.0)
 _LEGS = np.array([[0, 0, 1], [np.sqrt(3) / 2, 0, -0.5], [-np.sqrt(3) / 2, 0, -0.5]])  # e_i [19]
 
@@ -32,6 +34,8 @@ def robot_picture(path: str | Path) -> Path:
     Raises:
         OutputError: the file cannot be written.
     """
+    if Path(path).suffix not in _FORMATS:
+        raise OutputError(f"{path} cannot be written: its name must end in {', '.join(_FORMATS)}")
     model = build(derive(three_prs(), ("s1", "s2", "s3")))
     sliders = 0.6 + np.array([0.2, -0.3, -0.2]) * np.sin(1.5)
     home = assemble(model, {"s1": 0.6, "s2": 0.6, "s3": 0.6})

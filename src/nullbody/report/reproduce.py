@@ -52,7 +52,7 @@ def reproduce(out: str | Path, *, progress: bool | None = None) -> dict[str, Any
     """
     import json
 
-    folder = usable_folder(out)
+    folder = usable_folder(out, ("index.html", "summary.json"))
     begin = time.perf_counter()
     with named_steps("reproduce", _STEPS, progress) as step:
         made = sections(Settings(), step)

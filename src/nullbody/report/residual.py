@@ -134,7 +134,7 @@ def _free_swing(model: Model, start: State, end: float) -> tuple[FloatArray, Flo
     free = model.independent_columns
 
     def rate(t: float, y: FloatArray) -> FloatArray:
-        q_ddot, q_dot, _, _, _ = model.evaluate("forward_dynamics", y[:nq], y[nq:], zero)
+        q_ddot, q_dot = model.evaluate("forward_dynamics", y[:nq], y[nq:], zero)[:2]
         return np.concatenate([q_dot, q_ddot[free]])
 
     times, states = _runge_kutta(rate, np.concatenate([start.q, start.v]), end)

@@ -12,7 +12,7 @@ from nullbody.kinematics import project
 from nullbody.kinematics.newton import closed_to
 from nullbody.model import Model, State
 from nullbody.simulate.outcome import Outcome
-from nullbody.tolerances import CLOSED_STEP, LARGE_SPREAD, REGULAR_LOSS, SIMULATED_SPREAD
+from nullbody.tolerances import CLOSED_STEP, LARGE_SPREAD, REGULAR_DOUBT, REGULAR_LOSS, SIMULATED_SPREAD
 from nullbody.typing import FloatArray
 
 __all__ = ["Integration", "Run"]
@@ -75,11 +75,12 @@ class Integration:
             return self._refuse(Outcome.SINGULAR_INDEPENDENT_SET, y)
         if not np.isfinite(u).all():
             return self._refuse(Outcome.NOT_FINITE, y)
-        q_ddot, q_dot, delta, spread, loss = self.model.evaluate("forward_dynamics", q, v, u)
-        if np.sign(delta) != self._side:
+        q_ddot, q_dot, delta, spread, doubt, loss = self.model.evaluate("forward_dynamics", q, v, u)
+        if np.sign(delta) != self._side or not doubt < REGULAR_DOUBT:
             return self._refuse(Outcome.SINGULAR_INDEPENDENT_SET, y)
-        if spread < LARGE_SPREAD and not (abs(loss) < REGULAR_LOSS and np.isfinite(q_ddot).all()):
-            return self._refuse(Outcome.SINGULAR_MASS_MATRIX, y)
+        if not (abs(loss) < REGULAR_LOSS and np.isfinite(q_ddot).all()):
+            massless = spread < LARGE_SPREAD
+            return self._refuse(Outcome.SINGULAR_MASS_MATRIX if massless else Outcome.SINGULAR_INDEPENDENT_SET, y)
         power = u @ q_dot[self.model.actuated_columns]
         return np.concatenate([q_dot, q_ddot[self.model.independent_columns], [power]])
 
@@ -89,7 +90,7 @@ class Integration:
 
     def energy(self, x: State) -> tuple[float, float]:
         """Kinetic and potential energy [J], also right before a singularity."""
-        _, _, q_dot, _, _ = self.model.evaluate("kinematics", x.q, x.v)
+        q_dot = self.model.evaluate("kinematics", x.q, x.v)[2]
         T, U = self.model.evaluate("energy", x.q, q_dot)
         return float(T), float(U)
 
@@ -133,7 +134,7 @@ class Integration:
 
     def closed(self, states: FloatArray) -> FloatArray:
         """Interpolated states with the loops closed."""
-        return np.array([self._projected(y)[0] for y in states]).reshape(len(states), -1)
+        return np.array([self._projected(y)[0] for y in states]).reshape(len(states), self.nq + self.nv + 1)
 
     def _projected(self, y: FloatArray) -> tuple[FloatArray, float]:
         """y with its loops closed, and what |Phi| remains; y itself where they are closed already."""
@@ -148,7 +149,7 @@ class Integration:
         q = y[: self.nq]
         if not open_by <= CLOSED_STEP and not open_by <= 10 * closed_to(self.model.jacobian(q), q):
             return Outcome.LOOPS_OPEN, f" (|Phi| = {open_by:.1e} m)"
-        _, _, _, delta, spread = self.model.evaluate("kinematics", y[: self.nq], y[self.nq : self.nq + self.nv])
+        _, _, _, delta, spread, _ = self.model.evaluate("kinematics", y[: self.nq], y[self.nq : self.nq + self.nv])
         if not spread < SIMULATED_SPREAD:
             return self._singular(float(delta), float(spread))
         return Outcome.COMPLETED, ""
@@ -162,7 +163,7 @@ class Integration:
 
     def _failed(self, y: FloatArray, message: str | None) -> tuple[Outcome, str]:
         """Name a step that could not be made: close to a singularity it is that."""
-        _, _, _, delta, spread = self.model.evaluate("kinematics", y[: self.nq], y[self.nq : self.nq + self.nv])
+        _, _, _, delta, spread, _ = self.model.evaluate("kinematics", y[: self.nq], y[self.nq : self.nq + self.nv])
         if self._refused in (Outcome.NOT_FINITE, Outcome.SINGULAR_MASS_MATRIX):
             return self._refused, ""
         if self._refused is not None or not spread < LARGE_SPREAD:
@@ -171,7 +172,7 @@ class Integration:
 
     def _ended(self, t0: float, y0: FloatArray, energy: float) -> Run:
         """A run that could not take its first step."""
-        _, _, _, delta, spread = self.model.evaluate("kinematics", y0[: self.nq], y0[self.nq : self.nq + self.nv])
+        _, _, _, delta, spread, _ = self.model.evaluate("kinematics", y0[: self.nq], y0[self.nq : self.nq + self.nv])
         outcome, note = self._refused or Outcome.NOT_FINITE, ""
         if not spread < SIMULATED_SPREAD:
             outcome, note = self._singular(float(delta), float(spread))
