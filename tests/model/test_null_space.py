@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from nullbody import Model, SingularityError, State, inverse_kinematics
 from nullbody.kinematics import with_rates
-from tests.robot import SLIDES, robot, upright
+from tests.robot import SLIDES, robot, tilted, upright
 
 PIVOTED = 1e-13
 NEAR_SINGULAR = 1e-15  # times |N|: both roads lose digits as 1/|B|, which passes 1e-13 where |N| exceeds 100
@@ -86,3 +86,21 @@ def test_near_the_singularity_numbers_hold_or_an_error_is_raised(exponent: int) 
         assert exponent >= 5
     else:
         assert y_dot == pytest.approx(0.1 * np.cos(alpha) / np.sin(alpha), rel=1e-15 / alpha + 1e-13)
+
+
+def test_doubt_obeys_hadamard() -> None:
+    for state in [upright(robot()), *tilted(robot(), 20)]:
+        assert 1 <= robot().evaluate("kinematics", state.q, state.v)[-1] < 1e8
+
+
+@pytest.mark.parametrize("psi", [0.0, 0.3, -0.7])
+def test_gimbal_lock_is_refused(psi: float) -> None:
+    model = robot()
+    try:
+        posed = inverse_kinematics(model, {"y": 0.1, "psi": psi, "theta": np.pi / 2})
+    except SingularityError:
+        return
+    state = model.state(posed.q, (0.1, -0.2, 0.15))
+    for call in (model.energy, model.forward_dynamics, model.reactions):
+        with pytest.raises(SingularityError, match="singular here"):
+            call(state)

@@ -109,8 +109,12 @@ def test_the_shortcuts_of_the_paper(outputs: dict[str, Any]) -> None:
 
 
 def test_a_sign_in_any_instruction_of_the_whole_program(outputs: dict[str, Any]) -> None:
-    """Every third operand of all outputs and routines together; an error anywhere must be seen."""
+    """Every third operand of all outputs and routines together; an error anywhere must be seen.
+
+    `doubt` is left out: an estimate that only bounds are checked of (tests/model/test_null_space.py).
+    """
     motion = sample(MOTION)
+    outputs = {name: output for name, output in outputs.items() if not name.endswith(".doubt")}
     inputs = list(motion.values.values())
     tape = Tape.of([f for output in outputs.values() for f in flat(output)], tuple(motion.values))
     missed = []
