@@ -62,7 +62,7 @@ def test_a_singular_choice_of_floats_says_so() -> None:
 
 def test_numpy_arrays_of_any_kind_are_welcome() -> None:
     for kind in (np.int64, np.float32, object):
-        assert np.array(null_space(np.array([[1, 2, 4]], dtype=kind)).basis, float).tolist() == [
+        assert np.array(null_space(np.array([[1, 2, 4]], dtype=kind), [1, 2]).basis, float).tolist() == [
             [-2, -4],
             [1, 0],
             [0, 1],
@@ -73,3 +73,11 @@ def test_its_repr_says_what_it_is() -> None:
     assert repr(null_space([[1, 2, 4]])) == "<NullSpace 3 x 2, rank 1, independent columns [1, 2], delta = 1>"
     graph = Graph()
     assert "operations" in repr(null_space([[graph.symbol("x"), graph.symbol("y")]]))
+
+
+def test_floats_choose_columns_by_size() -> None:
+    space = null_space([[0.1, 0.7, 1.0], [0.3, 2.1, 3.5]])
+    assert 2 not in space.independent
+    assert np.abs(np.array([[0.1, 0.7, 1.0], [0.3, 2.1, 3.5]]) @ np.array(space.basis, float)).max() < 1e-15
+    with pytest.raises(InputError, match="repeat others to rounding"):
+        null_space([[1.0, 2.0, 3.0], [2.0, 4.0, 6.0]])

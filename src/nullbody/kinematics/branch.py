@@ -11,12 +11,14 @@ from nullbody.catalog import closed_form_of
 from nullbody.errors import InputError, SingularityError
 from nullbody.kinematics.assemble import assemble, known_coordinates, start_coordinates
 from nullbody.kinematics.newton import close_loops
+from nullbody.mechanism import Free
 from nullbody.model import Model, State
 from nullbody.typing import FloatArray, IndexArray
 
 __all__ = ["Branches", "branches", "inverse_kinematics"]
 
 _STARTS = 400
+_CHECKS = 40  # random starts that look for what a closed form missed
 _SINGULAR = 1e-7  # ratio of singular values: Newton stops that far from a singular end
 _SAME = 1e-6  # [m, rad] two assemblies that differ by less are one
 
@@ -27,7 +29,7 @@ class Branches:
 
     Attributes:
         states: the assembled states, at rest.
-        complete: True where a closed form gives all of them; False where they come from random starts, and
+        complete: True where a closed form gives all of them and some random starts found no other; False where
             there may be more.
     """
 
@@ -64,19 +66,20 @@ def branches(model: Model, known: Mapping[str, float], guess: State | Mapping[st
     free = np.setdiff1d(np.arange(len(model.coordinates)), fixed)
     closed_form = closed_form_of(model.mechanism)
     candidates = closed_form.assemblies(model.parameters, known) if closed_form else None
-    if candidates is not None:
-        starts = [np.array([candidate[name] for name in model.coordinates]) for candidate in candidates]
-    else:
-        starts = _random_starts(model, start, fixed, values)
+    exact = [np.array([candidate[name] for name in model.coordinates]) for candidate in candidates or ()]
+    count = _STARTS if candidates is None else _CHECKS
     found: list[FloatArray] = []
-    for q in starts:
+    complete = candidates is not None
+    for number, q in enumerate([*exact, *_random_starts(model, start, fixed, values, count)]):
         q[fixed] = values
         closed = close_loops(model, q, free)
-        if closed.converged and not any(_distance(model, closed.q, other) < _SAME for other in found):
-            found.append(_wrapped(model, closed.q))
+        q = _wrapped(model, closed.q)
+        if closed.converged and not any(_distance(model, q, other) < _SAME for other in found):
+            found.append(q)
+            complete = complete and number < len(exact)
     found.sort(key=lambda q: _distance(model, q, start))
     rest = np.zeros(len(model.independent))
-    return Branches(tuple(model.trusted_state(q, rest.copy()) for q in found), candidates is not None)
+    return Branches(tuple(model.trusted_state(q, rest.copy()) for q in found), complete)
 
 
 def inverse_kinematics(
@@ -130,19 +133,31 @@ def _determined(model: Model, state: State, pose: Mapping[str, float], fixed: In
     return state
 
 
-def _random_starts(model: Model, start: FloatArray, fixed: IndexArray, values: FloatArray) -> list[FloatArray]:
+def _random_starts(
+    model: Model, start: FloatArray, fixed: IndexArray, values: FloatArray, count: int
+) -> list[FloatArray]:
     draw = np.random.default_rng(0)
     angles = np.array([model.mechanism.units[name] == "rad" for name in model.coordinates])
     size = max(1e-3, float(np.abs(start[~angles]).max(initial=0.0)), *(abs(x) for x in values))
     starts = [start.copy()]
-    for _ in range(_STARTS):
+    for _ in range(count):
         q = np.where(angles, draw.uniform(-np.pi, np.pi, len(start)), start + draw.uniform(-size, size, len(start)))
         starts.append(q)
     return starts
 
 
 def _wrapped(model: Model, q: FloatArray) -> FloatArray:
-    """Angles within (-pi, pi]; no equation of a mechanism changes by that."""
+    """Angles within (-pi, pi], and of the two triples of a free joint's angles the one with |theta| <= pi/2.
+
+    No equation of a mechanism changes by that.
+    """
+    q = q.copy()
+    for joint in model.mechanism.joints:
+        if isinstance(joint, Free):
+            psi, theta, phi = (model.coordinates.index(name) for name in joint.coordinates[3:])
+            if np.cos(q[theta]) < 0:
+                q[[psi, phi]] += np.pi
+                q[theta] = np.pi - q[theta]
     angles = [model.mechanism.units[name] == "rad" for name in model.coordinates]
     turned: FloatArray = np.where(angles, np.pi - np.mod(np.pi - q, 2 * np.pi), q)
     return turned

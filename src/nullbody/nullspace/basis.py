@@ -19,7 +19,7 @@ from nullbody.errors import InputError, SingularityError
 from nullbody.expr import Expr, Operations, operations
 from nullbody.expr.matrix import Matrix
 from nullbody.nullspace.elimination import Elimination, eliminate
-from nullbody.nullspace.rank import Echelon, echelon
+from nullbody.nullspace.rank import Echelon, echelon, float_echelon
 from nullbody.nullspace.rows import RowStep, simplified_rows
 from nullbody.nullspace.scalar import is_zero, tidy
 
@@ -123,8 +123,9 @@ def null_space(A: Matrix, independent: Sequence[int] | None = None) -> NullSpace
 
     Args:
         A: m x n, rows of scalars. Rows that repeat others are found and left out where the scalars are
-            exact or expressions of a graph; floats and SymPy expressions need independent rows.
-        independent: the d = n - rank columns that stay free; the last ones that make |B| non-zero by default.
+            exact or expressions of a graph; in floats they are an error, SymPy expressions need independent rows.
+        independent: the d = n - rank columns that stay free; by default the last ones that make |B| non-zero, for
+            floats those that complete pivoting leaves.
 
     Raises:
         InputError: ragged or empty A, entries that are no finite numbers, wrong columns.
@@ -138,7 +139,12 @@ def null_space(A: Matrix, independent: Sequence[int] | None = None) -> NullSpace
         raise InputError("A must be a non-empty list of rows of equal length")
     rows = [[tidy(entry) for entry in row] for row in rows]
     n = len(rows[0])
-    found = echelon(rows)
+    floats = all(isinstance(entry, float) for row in rows for entry in row)
+    found = float_echelon(rows) if floats else echelon(rows)
+    if floats and found is not None and found.redundant:
+        raise InputError(
+            f"rows {list(found.redundant)} of A repeat others to rounding: leave them out, or give exact numbers"
+        )
     rank = found.rank if found else len(rows)
     chosen = _chosen(independent, n, rank, found, rows)
     dependent = tuple(j for j in range(n) if j not in chosen)

@@ -15,7 +15,9 @@ from nullbody.expr import Exact, Expr, Graph
 from nullbody.expr.matrix import Matrix
 from nullbody.nullspace.scalar import exact_rational
 
-__all__ = ["Echelon", "echelon"]
+__all__ = ["Echelon", "echelon", "float_echelon"]
+
+_ROUNDING = 1e-12  # relative to the largest entry: a pivot below is nothing but rounding
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,27 @@ class Echelon:
     def rank(self) -> int:
         """The rank."""
         return len(self.rows)
+
+
+def float_echelon(matrix: Matrix) -> Echelon:
+    """Echelon form of floats by complete pivoting: the pivots that are largest, and the rank to rounding."""
+    work = [list(map(float, row)) for row in matrix]
+    largest = max(abs(entry) for row in work for entry in row)
+    rows, columns = list(range(len(work))), list(range(len(work[0])))
+    found: list[tuple[int, int]] = []
+    while rows and columns:
+        i, j = max(((i, j) for i in rows for j in columns), key=lambda place: abs(work[place[0]][place[1]]))
+        if abs(work[i][j]) <= _ROUNDING * largest:
+            break
+        for k in rows:
+            if k != i:
+                factor = work[k][j] / work[i][j]
+                work[k] = [a - factor * b for a, b in zip(work[k], work[i], strict=True)]
+        rows.remove(i)
+        columns.remove(j)
+        found.append((i, j))
+    found.sort()
+    return Echelon(tuple(i for i, _ in found), tuple(j for _, j in found), tuple(rows))
 
 
 def echelon(matrix: Matrix, columns: Sequence[int] | None = None) -> Echelon | None:

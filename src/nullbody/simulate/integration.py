@@ -88,6 +88,13 @@ class Integration:
         self._refused = why
         return np.full(len(y), np.nan)
 
+    def inputs(self, t: float, x: State) -> FloatArray:
+        """u(t, x), or NaN where a controller that inverts the model finds it singular."""
+        try:
+            return self.u(t, x)
+        except SingularityError:
+            return np.full(len(self.model.inputs), np.nan)
+
     def energy(self, x: State) -> tuple[float, float]:
         """Kinetic and potential energy [J], also right before a singularity."""
         q_dot = self.model.evaluate("kinematics", x.q, x.v)[2]

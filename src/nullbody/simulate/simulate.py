@@ -175,7 +175,7 @@ def _stored(model: Model, integration: Integration, run: Run, times: FloatArray,
     q, v, work = y[:, :nq], y[:, nq : nq + nv], y[:, nq + nv]
     states = [model.trusted_state(q[k].copy(), v[k].copy()) for k in range(len(times))]
     energies = np.array([integration.energy(x) for x in states]).reshape(-1, 2)
-    inputs = np.array([integration.u(float(t), x) for t, x in zip(times, states, strict=True)])
+    inputs = np.array([integration.inputs(float(t), x) for t, x in zip(times, states, strict=True)])
     inputs = inputs.reshape(len(times), len(model.inputs))
     residual = max((float(np.abs(model.residual(x.q)).max(initial=0.0)) for x in states), default=0.0)
     balance = energies.sum(axis=1) - work
