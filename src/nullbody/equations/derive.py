@@ -53,8 +53,9 @@ def derive(mechanism: Mechanism, independent: Sequence[str] | None = None) -> Eq
     chosen = _independent(mechanism, loops, independent)
     space = _null_space(loops.A, names, chosen)
     symbols = _Symbols(graph, mechanism, chosen)
-    outputs = _outputs(loops, bodies, space, symbols)
-    routines = _routines(loops, bodies, space, symbols)
+    c = _simplified_c(space, symbols)
+    outputs = _outputs(loops, bodies, space, symbols, c)
+    routines = _routines(loops, bodies, space, symbols, c)
     graph.verify()
     return Equations(
         mechanism=mechanism,
@@ -144,9 +145,9 @@ def _null_space(A: list[list[Expr]], names: tuple[str, ...], chosen: tuple[str, 
         ) from None
 
 
-def _outputs(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symbols) -> dict[str, Any]:
+def _outputs(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symbols, c: list[Expr]) -> dict[str, Any]:
     zero = symbols.zero
-    N, c = space.basis, _simplified_c(space, symbols)
+    N = space.basis
     gamma = space.offset(c, of_simplified=True)
     reduced = reduce(bodies.M, bodies.h, N, gamma)
     outputs = {
@@ -176,12 +177,14 @@ def _simplified_c(space: NullSpace, symbols: _Symbols) -> list[Expr]:
     return directional(products, dict(zip(symbols.q, symbols.rates, strict=True)))
 
 
-def _routines(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symbols) -> dict[str, Routine]:
+def _routines(
+    loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symbols, simplified_c: list[Expr]
+) -> dict[str, Routine]:
     """The same equations with q' = N v put in, grouped by what is evaluated together."""
     zero, N, v = symbols.zero, space.basis, symbols.v
     qd = [zero + rate for rate in matvec(N, v)]
     onto = {symbols.rates[j]: qd[j] for j in space.dependent}
-    h, c = substitute(bodies.h, onto), substitute(_simplified_c(space, symbols), onto)
+    h, c = substitute(bodies.h, onto), substitute(simplified_c, onto)
     gamma = space.offset(c, of_simplified=True)
     reduced = reduce(bodies.M, h, N, gamma)
     spread = total(e * e for row in N for e in row if isinstance(e, Expr))

@@ -137,7 +137,7 @@ def _random_starts(
     model: Model, start: FloatArray, fixed: IndexArray, values: FloatArray, count: int
 ) -> list[FloatArray]:
     draw = np.random.default_rng(0)
-    angles = np.array([model.mechanism.units[name] == "rad" for name in model.coordinates])
+    angles = np.array(model.angular)
     size = max(1e-3, float(np.abs(start[~angles]).max(initial=0.0)), *(abs(x) for x in values))
     starts = [start.copy()]
     for _ in range(count):
@@ -158,21 +158,18 @@ def _wrapped(model: Model, q: FloatArray) -> FloatArray:
             if np.cos(q[theta]) < 0:
                 q[[psi, phi]] += np.pi
                 q[theta] = np.pi - q[theta]
-    angles = [model.mechanism.units[name] == "rad" for name in model.coordinates]
-    turned: FloatArray = np.where(angles, np.pi - np.mod(np.pi - q, 2 * np.pi), q)
+    turned: FloatArray = np.where(model.angular, np.pi - np.mod(np.pi - q, 2 * np.pi), q)
     return turned
 
 
 def _turned(model: Model, q: FloatArray, guess: FloatArray) -> FloatArray:
     """Angles within half a turn of the guess's."""
-    angles = [model.mechanism.units[name] == "rad" for name in model.coordinates]
-    turned: FloatArray = np.where(angles, q + 2 * np.pi * np.round((guess - q) / (2 * np.pi)), q)
+    turned: FloatArray = np.where(model.angular, q + 2 * np.pi * np.round((guess - q) / (2 * np.pi)), q)
     return turned
 
 
 def _distance(model: Model, left: FloatArray, right: FloatArray) -> float:
     """Largest difference of coordinates, angles modulo a turn."""
-    angles = [model.mechanism.units[name] == "rad" for name in model.coordinates]
     difference = left - right
-    turned = np.where(angles, np.mod(difference + np.pi, 2 * np.pi) - np.pi, difference)
+    turned = np.where(model.angular, np.mod(difference + np.pi, 2 * np.pi) - np.pi, difference)
     return float(np.abs(turned).max(initial=0.0))

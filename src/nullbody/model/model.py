@@ -93,6 +93,12 @@ class Model:
         return [self.coordinates.index(name) for name in self.mechanism.actuated]
 
     @cached_property
+    def angular(self) -> list[bool]:
+        """For every coordinate whether it is an angle."""
+        units = self.mechanism.units
+        return [units[name] == "rad" for name in self.coordinates]
+
+    @cached_property
     def inputs(self) -> tuple[str, ...]:
         """Names of the inputs u."""
         return self.mechanism.inputs
@@ -164,10 +170,8 @@ class Model:
         Raises:
             SingularityError: |B| vanishes for these independent coordinates.
         """
-        self.own(state)
-        N, gamma, _, *measures = self.evaluate("kinematics", state.q, state.v)
-        self._check_regular(*measures)
-        return NullSpaceValues(N, gamma, float(measures[0]))
+        N, gamma, _, delta = self._kinematics(state)
+        return NullSpaceValues(N, gamma, float(delta))
 
     def velocity(self, state: State) -> FloatArray:
         """q' = N v, all rates [m/s, rad/s].
@@ -175,10 +179,7 @@ class Model:
         Raises:
             SingularityError: |B| vanishes for these independent coordinates.
         """
-        self.own(state)
-        _, _, q_dot, *measures = self.evaluate("kinematics", state.q, state.v)
-        self._check_regular(*measures)
-        return q_dot
+        return self._kinematics(state)[2]
 
     def acceleration(self, state: State, v_dot: object) -> FloatArray:
         """q'' = N v' + gamma, all accelerations for given independent ones [m/s^2, rad/s^2].
@@ -310,6 +311,13 @@ class Model:
                 f"the loops of {self.mechanism.name!r} can never close for these parameters: an equation that no "
                 f"coordinate changes independently is open by {np.abs(dropped).max():.3g} m. Check the lengths"
             )
+
+    def _kinematics(self, state: State) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """(N, gamma, q', delta), checked."""
+        self.own(state)
+        N, gamma, q_dot, delta, spread, doubt = self.evaluate("kinematics", state.q, state.v)
+        self._check_regular(delta, spread, doubt)
+        return N, gamma, q_dot, delta
 
     def _forward(self, state: State, inputs: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(q'', q') for given inputs, checked."""

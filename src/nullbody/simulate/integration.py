@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,7 @@ from nullbody.simulate.outcome import Outcome
 from nullbody.tolerances import CLOSED_STEP, LARGE_SPREAD, REGULAR_DOUBT, REGULAR_LOSS, SIMULATED_SPREAD
 from nullbody.typing import FloatArray
 
-__all__ = ["Integration", "Run"]
+__all__ = ["Integration", "Run", "interpolated"]
 
 Input = Callable[[float, State], FloatArray]
 Piece = Callable[[float], FloatArray]
@@ -36,10 +36,13 @@ class Run:
 
     def at(self, t: float) -> FloatArray:
         """y at a time, from the interpolant of the step that it lies in."""
-        if not self.pieces:
-            return self.states[0].copy()
-        piece = min(max(int(np.searchsorted(self.knots, t)) - 1, 0), len(self.pieces) - 1)
-        return self.pieces[piece](t)
+        return interpolated(self.knots, self.pieces, t) if self.pieces else self.states[0].copy()
+
+
+def interpolated(knots: FloatArray, pieces: Sequence[Piece], t: float) -> FloatArray:
+    """The interpolant of the step that a time lies in, at that time."""
+    piece = min(max(int(np.searchsorted(knots, t)) - 1, 0), len(pieces) - 1)
+    return pieces[piece](t)
 
 
 class Integration:

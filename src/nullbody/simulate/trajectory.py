@@ -11,6 +11,7 @@ import numpy as np
 from nullbody.errors import InputError, UnknownName
 from nullbody.kinematics import project
 from nullbody.model import Model, State
+from nullbody.simulate.integration import interpolated
 from nullbody.simulate.outcome import Outcome
 from nullbody.tolerances import CLOSED_STEP
 from nullbody.typing import FloatArray
@@ -117,8 +118,7 @@ class Trajectory:
             if not self._pieces:
                 q[k], v[k] = self.q[0], self.v[0]
                 continue
-            piece = min(max(int(np.searchsorted(self._knots, time)) - 1, 0), len(self._pieces) - 1)
-            y = self._pieces[piece](float(time))
+            y = interpolated(self._knots, self._pieces, float(time))
             q[k], v[k] = y[:nq], y[nq : nq + v.shape[1]]
             if np.abs(self.model.residual(q[k])).max(initial=0.0) > CLOSED_STEP:
                 q[k] = project(self.model, q[k])[0]

@@ -8,16 +8,12 @@ from importlib import import_module
 from types import ModuleType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nullbody.errors import UnknownName, VerificationError
 from nullbody.mechanism import Mechanism
-from nullbody.typing import FloatArray
+from nullbody.typing import FloatArray, IndexArray
 
-__all__ = ["AbstractEngine", "IndexArray", "Terms", "input_matrix", "kept_rows", "load"]
-
-#: Indices of closure equations.
-IndexArray = NDArray[np.intp]
+__all__ = ["AbstractEngine", "Terms", "input_matrix", "kept_rows", "load"]
 
 #: M (nq x nq), h (nq), A (rows x nq) and c (rows) of one state.
 Terms = tuple[FloatArray, FloatArray, FloatArray, FloatArray]

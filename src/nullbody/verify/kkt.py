@@ -11,8 +11,8 @@ from abc import abstractmethod
 import numpy as np
 
 from nullbody.mechanism import Mechanism
-from nullbody.typing import FloatArray
-from nullbody.verify.engine import AbstractEngine, IndexArray, Terms, input_matrix, kept_rows
+from nullbody.typing import FloatArray, IndexArray
+from nullbody.verify.engine import AbstractEngine, Terms, input_matrix, kept_rows
 
 __all__ = ["AbstractTermsEngine", "accelerations", "forces", "multipliers"]
 
