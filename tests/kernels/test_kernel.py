@@ -11,7 +11,7 @@ import pytest
 from nullbody.errors import InputError
 from nullbody.expr import Graph, sin, sqrt
 from nullbody.expr.tape import Tape
-from nullbody.kernels import Program, compile_programs, interpret
+from nullbody.kernels import Program, compile_programs, interpret, llvm
 
 Z, EMPTY = np.array([0.3, -0.7]), np.zeros(0)
 
@@ -26,6 +26,20 @@ def test_kernels_equal_the_interpreter(seed: int, random_program: Callable[..., 
         for native, reference in zip(kernel(*groups), interpret(program, *groups), strict=True):
             assert native.shape == reference.shape
             np.testing.assert_allclose(native, reference, rtol=1e-12, atol=1e-14)
+
+
+def test_long_programs_are_cut_into_pieces(
+    random_program: Callable[..., Program], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(llvm, "_PIECE", 7)
+    program = random_program(8, 400)
+    kernel = compile_programs([program], wide=True).kernels["f"]
+    groups = np.linspace(-1, 1, 5), EMPTY, Z
+    for native, wide, reference in zip(
+        kernel(*groups), kernel.batch(groups[0][None], EMPTY, Z), interpret(program, *groups), strict=True
+    ):
+        np.testing.assert_allclose(native, reference, rtol=1e-12, atol=1e-14)
+        assert np.array_equal(wide[0], native)
 
 
 def test_every_sign_reaches_its_output() -> None:
@@ -83,7 +97,7 @@ def test_any_vector_of_real_numbers_will_do(x: object, random_program: Callable[
         (np.zeros(5, dtype=complex), "input 'x' holds complex128"),
         (["a"] * 5, "input 'x' holds"),
         ([Fraction(1)] * 5, "input 'x' holds object"),
-        ([[1.0], [1.0, 2.0], 1, 1, 1], "input 'x' is no vector"),
+        ([[1.0], [1.0, 2.0], 1, 1, 1], "input 'x' is no array of numbers"),
     ],
 )
 def test_wrong_inputs_are_named(x: object, says: str, random_program: Callable[..., Program]) -> None:

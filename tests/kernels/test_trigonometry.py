@@ -56,8 +56,11 @@ def test_the_error_is_below_one_ulp(kind: str, kernel: Kernel) -> None:
             "multiples of pi/4": _near_multiples(mpmath.pi / 4),
             "tiny": _tiny(),
         }
-        for x in numbers[kind]:
+        xs = list(numbers[kind])
+        lanes = kernel.batch(np.array(xs)[:, None])
+        for x, *vector in zip(xs, *lanes, strict=True):
             s, c = kernel([x])
+            assert [s, c] == vector, x
             assert _ulps(float(s), mpmath.sin(x)) < 1, x
             assert _ulps(float(c), mpmath.cos(x)) < 1, x
 
@@ -78,6 +81,19 @@ def test_beyond_the_range_libm_answers(x: float, kernel: Kernel) -> None:
     assert (float(s), float(c)) == (pytest.approx(math.sin(x), rel=1e-15), pytest.approx(math.cos(x), rel=1e-15))
 
 
+def test_a_lane_beyond_the_range_leaves_the_others_alone(kernel: Kernel) -> None:
+    near = list(_uniform(10))[:40]
+    for far in (math.inf, math.nan, 1e22):
+        mixed = np.array([far if k % 5 == 0 else x for k, x in enumerate(near)])[:, None]
+        singles = np.array([kernel(row) for row in mixed])
+        assert np.array_equal(np.array(kernel.batch(mixed)).T, singles, equal_nan=True)
+
+
+def test_zero_keeps_its_sign_in_every_lane(kernel: Kernel) -> None:
+    zeros = np.array([0.0, -0.0, -0.0, 0.0, -0.0])[:, None]
+    assert np.array_equal(np.signbit(kernel.batch(zeros)[0]), np.signbit(zeros[:, 0]))
+
+
 def test_sine_is_odd_and_cosine_even(kernel: Kernel) -> None:
     for x in _uniform(100):
         (s, c), (t, d) = kernel([x]), kernel([-x])
@@ -88,5 +104,6 @@ def test_the_parts_of_half_pi_have_exact_products() -> None:
     parts = _parts_of_half_pi()
     for part in parts[:3]:
         assert Fraction(part) * (2**20 - 1) == Fraction(part * (2**20 - 1))
+    assert [part * 2**bits % 1 for part, bits in zip(parts[:3], (32, 64, 96), strict=True)] == [0, 0, 0]
     with mpmath.workprec(300):
         assert abs(mpmath.pi / 2 - sum(mpmath.mpf(part) for part in parts)) < mpmath.mpf(2) ** -150

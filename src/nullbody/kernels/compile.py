@@ -5,21 +5,23 @@ from __future__ import annotations
 import marshal
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from hashlib import blake2b
 from types import MappingProxyType
 from typing import Any, Literal
 
 from nullbody.errors import InputError
+from nullbody.kernels.block import Code
 from nullbody.kernels.cache import load, store
 from nullbody.kernels.kernel import Kernel
 from nullbody.kernels.llvm import function_name, module_ir
+from nullbody.kernels.number import BLOCK, DOUBLE, Number
 from nullbody.kernels.program import Program
 
 __all__ = ["Library", "compile_programs"]
 
 #: Part of every key of the cache; change it whenever the printed code or the calling convention changes.
-_FORMAT = 1
+_FORMAT = 2
 _OPTIMISATION = 2
 
 
@@ -36,8 +38,13 @@ class Library:
     origin: Literal["compiled", "cache"]
 
 
-def compile_programs(programs: Sequence[Program]) -> Library:
+def compile_programs(programs: Sequence[Program], wide: bool = False) -> Library:
     """Native kernels of some programs, all in one object file.
+
+    Args:
+        programs: the programs; their names differ.
+        wide: compile the functions over blocks of 8 states (`Kernel.batch`) along; otherwise each one is compiled when
+            it is first asked for.
 
     Raises:
         InputError: two programs have one name.
@@ -46,15 +53,41 @@ def compile_programs(programs: Sequence[Program]) -> Library:
     names = [program.name for program in programs]
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise InputError(f"two programs are named {twice[0]!r}; the names of programs compiled together differ")
-    key = _key(programs)
-    body = load(key)
-    origin: Literal["compiled", "cache"] = "cache"
-    if body is None:
-        body, origin = _object_file(programs), "compiled"
-        store(key, body)
-    engine = _loaded(body)
-    kernels = {p.name: Kernel(p, engine.get_function_address(function_name(p)), engine) for p in programs}
+    functions = [(program, number) for number in (DOUBLE, _vector(64))[: 1 + wide] for program in programs]
+    engine, origin = _engine(functions)
+    kernels = {
+        p.name: Kernel(p, _code(engine, p, DOUBLE), partial(_wide, p, engine if wide else None)) for p in programs
+    }
     return Library(MappingProxyType(kernels), origin)
+
+
+def _wide(program: Program, engine: Any | None, bits: int) -> Code:
+    """The function of a program over blocks, from an engine that has the one of doubles or else from its own."""
+    number = _vector(bits)
+    if engine is None or bits != DOUBLE.bits:
+        engine, _ = _engine([(program, number)])
+    return _code(engine, program, number)
+
+
+def _code(engine: Any, program: Program, number: Number) -> Code:
+    return Code(engine.get_function_address(function_name(program, number)), engine)
+
+
+def _engine(functions: Sequence[tuple[Program, Number]]) -> tuple[Any, Literal["compiled", "cache"]]:
+    """An engine that holds the functions, and where they came from."""
+    key = _key(functions)
+    if (body := load(key)) is not None:
+        return _loaded(body), "cache"
+    body = _object_file(functions)
+    store(key, body)
+    return _loaded(body), "compiled"
+
+
+def _vector(bits: int) -> Number:
+    """What fills a register of this machine, but no more than a block."""
+    features = _host()[2].split(",")
+    register = 512 if "+avx512f" in features else 256 if "+avx" in features else 128
+    return Number(min(BLOCK, register // bits), bits)
 
 
 @cache
@@ -76,24 +109,24 @@ def _machine() -> Any:
     return target.create_target_machine(cpu=processor, features=features, opt=_OPTIMISATION, jit=True)
 
 
-def _key(programs: Sequence[Program]) -> str:
+def _key(functions: Sequence[tuple[Program, Number]]) -> str:
     """Digest of all that determines the object file; made from the tapes, so that a warm start prints no IR."""
     import llvmlite
     import llvmlite.binding as llvm
 
     digest = blake2b(digest_size=20)
     digest.update(repr((_FORMAT, _OPTIMISATION, _host(), llvm.llvm_version_info, llvmlite.__version__)).encode())
-    for program in programs:
-        tape = program.tape
-        digest.update(marshal.dumps((program.name, tape.constants, tape.code, tape.outputs), 2))
+    for program, number in functions:
+        tape, kind = program.tape, (number.lanes, number.bits, len(program.tape.inputs))
+        digest.update(marshal.dumps((kind, program.name, tape.constants, tape.code, tape.outputs), 2))
     return digest.hexdigest()
 
 
-def _object_file(programs: Sequence[Program]) -> bytes:
+def _object_file(functions: Sequence[tuple[Program, Number]]) -> bytes:
     import llvmlite.binding as llvm
 
     machine = _machine()
-    module = llvm.parse_assembly(module_ir(programs, machine.triple, str(machine.target_data)))
+    module = llvm.parse_assembly(module_ir(functions, machine.triple, str(machine.target_data)))
     return bytes(machine.emit_object(module))
 
 

@@ -2,36 +2,41 @@
 
 For |x| <= 2^20 pi/2 (1.6e6) the code is free of branches:
 
-    n = round(2 x / pi),  r = x - n pi/2 = y0 + y1,
+    n = round(2 x / pi),  r = x - n pi/2 = y0 - y1,
     sin x = +-(sin r or cos r),  cos x = +-(cos r or sin r) by the last two bits of n.
 
-pi/2 = P1 + P2 + P3 + P4 with at most 33 bits in each of P1, P2, P3: the products n P1, n P2, n P3 are exact for
-|n| <= 2^20, x - n P1 is exact, and the two differences after it carry their rounding error along (Knuth's two-sum).
-What is neglected is below 2^-130. Fusing products into sums (`contract`) changes none of these exact products.
-The polynomials are those of fdlibm (k_sin.c, k_cos.c, Sun Microsystems 1993) on |r| <= pi/4 with the tail y1.
+pi/2 = P1 + P2 + P3 + P4, cut 32, 64 and 96 bits behind the point: the products n P1, n P2, n P3 are exact for
+|n| <= 2^20, and so is x - n P1. The next two differences d = a - n P carry their rounding error (a - d) - n P along
+(Dekker's fast two-sum): it is exact where |a| >= |n P|, and otherwise d has at most 53 bits and the error is 0.
+What is neglected is below 2^-128. Fusing products into sums (`contract`) changes none of these exact products.
+The polynomials are those of fdlibm (k_sin.c, k_cos.c, Sun Microsystems 1993) on |r| <= pi/4 with the tail y1,
+summed in pairs (Estrin), which shortens the chain of dependent operations.
 
-Error bound: below 1 ulp for both functions (0.75 ulp seen). sin(-0.0) is -0.0; beyond the range libm is called;
-inf and nan give nan.
+Error bound: below 1 ulp for both functions (0.76 ulp seen). sin(-0.0) is -0.0; beyond the range libm is called;
+inf and nan give nan. A vector asks libm for all lanes where one is beyond, and takes from it that lane only: every
+lane has the bits that the scalar function gives. Floats go by way of doubles: the result is rounded once.
 """
 
 from __future__ import annotations
 
-import struct
+from collections.abc import Sequence
 from fractions import Fraction
 
-__all__ = ["RANGE", "SINCOS", "hexadecimal", "sincos_ir"]
+from nullbody.kernels.number import Lines, Number
 
-#: Name of the internal LLVM function: { double, double } (double) returns (sin x, cos x).
-SINCOS = "@nbt.sincos"
+__all__ = ["RANGE", "WEIGHTS", "sincos_ir", "sincos_name"]
 
 #: Largest |x| that needs no libm: 2^20 pi/2.
 RANGE = float.fromhex("0x1.921fb54442d18p+20")
+
+#: Metadata !0 of the module: the branch to libm is hardly ever taken.
+WEIGHTS = '!0 = !{!"branch_weights", i32 1000000, i32 1}'
 
 _HALF_PI = Fraction(
     "1.57079632679489661923132169163975144209858469968755291048747229615390820314310449931401741267105853399107404326"
 )
 _SHIFT = 1.5 * 2.0**52  # adding it rounds to an integer and leaves that integer in the last bits
-_TINY = 2.0**-26  # sin x = x to 0.4 ulp below
+_SIGN = -(2**63)
 
 _SINE = (
     -1.66666666666666324348e-01,
@@ -51,130 +56,106 @@ _COSINE = (
 )
 
 
-def hexadecimal(number: float) -> str:
-    """A double as LLVM IR writes it exactly: the 16 digits of its bits."""
-    return f"0x{struct.unpack('<Q', struct.pack('<d', number))[0]:016X}"
+def sincos_name(number: Number) -> str:
+    """Name of the internal LLVM function (x) -> { sin x, cos x }."""
+    return f"@nbt.sincos.{number.suffix}"
 
 
 def _parts_of_half_pi() -> tuple[float, float, float, float]:
-    """P1, P2, P3 of 33 bits each and the rounded rest P4, with P1 + P2 + P3 + P4 = pi/2."""
+    """P1, P2, P3 of at most 33 bits each and the rounded rest P4, with P1 + P2 + P3 + P4 = pi/2."""
     parts, rest = [], _HALF_PI
-    for bits in (32, 66, 99):
+    for bits in (32, 64, 96):
         part = Fraction(int(rest * 2**bits), 2**bits)
         parts.append(float(part))
         rest -= part
     return parts[0], parts[1], parts[2], float(rest)
 
 
-class _Lines:
-    """Lines of LLVM IR with fresh names; every operation is in double with the flag `contract`."""
-
-    def __init__(self) -> None:
-        self.lines: list[str] = []
-
-    def emit(self, text: str) -> str:
-        name = f"%t{len(self.lines)}"
-        self.lines.append(f"  {name} = {text}")
-        return name
-
-    def op(self, operation: str, a: str | float, b: str | float) -> str:
-        left, right = (x if isinstance(x, str) else hexadecimal(x) for x in (a, b))
-        return self.emit(f"{operation} contract double {left}, {right}")
-
-    def add(self, a: str | float, b: str | float) -> str:
-        return self.op("fadd", a, b)
-
-    def sub(self, a: str | float, b: str | float) -> str:
-        return self.op("fsub", a, b)
-
-    def mul(self, a: str | float, b: str | float) -> str:
-        return self.op("fmul", a, b)
-
-    def polynomial(self, z: str, coefficients: tuple[float, ...]) -> str:
-        """Horner's rule, lowest coefficient first."""
-        value: str | float = coefficients[-1]
-        for c in reversed(coefficients[:-1]):
-            value = self.add(self.mul(value, z), c)
-        return str(value)
-
-    def difference(self, a: str, b: str) -> tuple[str, str]:
-        """(s, e) with s = fl(a - b) and s + e = a - b exactly."""
-        s = self.sub(a, b)
-        back = self.sub(s, a)
-        return s, self.sub(self.sub(a, self.sub(s, back)), self.add(b, back))
+def _polynomial(ir: Lines, z: str, square: str, coefficients: Sequence[float]) -> str:
+    """Lowest coefficient first, pairs (c0 + c1 z) + z^2 (c2 + c3 z) + ..."""
+    pairs: list[str | float] = [
+        ir.add(ir.mul(z, coefficients[k + 1]), coefficients[k]) if k + 1 < len(coefficients) else coefficients[k]
+        for k in range(0, len(coefficients), 2)
+    ]
+    value = pairs.pop()
+    while pairs:
+        value = ir.add(ir.mul(square, value), pairs.pop())
+    return str(value)
 
 
-def _reduced(ir: _Lines) -> tuple[str, str, str]:
-    """(y0, y1, bits): the reduced argument, its tail, and an integer whose last two bits are the quadrant."""
+def _reduced(ir: Lines, x: str) -> tuple[str, str, str]:
+    """(y0, y1, bits): the reduced argument, minus its tail, and an integer whose last two bits are the quadrant."""
     p1, p2, p3, p4 = _parts_of_half_pi()
-    shifted = ir.add(ir.mul("%x", float(1 / _HALF_PI)), _SHIFT)
+    shifted = ir.add(ir.mul(x, float(1 / _HALF_PI)), _SHIFT)
     n = ir.sub(shifted, _SHIFT)
-    first = ir.sub("%x", ir.mul(n, p1))
-    second, error2 = ir.difference(first, ir.mul(n, p2))
-    third, error3 = ir.difference(second, ir.mul(n, p3))
-    tail = ir.sub(ir.add(error2, error3), ir.mul(n, p4))
-    y0 = ir.add(third, tail)
-    y1 = ir.add(ir.sub(third, y0), tail)
-    return y0, y1, ir.emit(f"bitcast double {shifted} to i64")
+    rest, tail = ir.sub(x, ir.mul(n, p1)), ir.mul(n, p4)
+    for part in (p2, p3):
+        product = ir.mul(n, part)
+        following = ir.sub(rest, product)
+        tail = ir.sub(tail, ir.sub(ir.sub(rest, following), product))
+        rest = following
+    y0 = ir.sub(rest, tail)  # -0.0 - 0.0 is -0.0: the sign of zero survives
+    y1 = ir.sub(tail, ir.sub(rest, y0))
+    return y0, y1, ir.integers(shifted)
 
 
-def _sine(ir: _Lines, y0: str, y1: str, z: str) -> str:
+def _sine(ir: Lines, y0: str, y1: str, z: str, square: str) -> str:
     v = ir.mul(z, y0)
-    r = ir.polynomial(z, _SINE[1:])
-    inner = ir.sub(ir.mul(z, ir.sub(ir.mul(y1, 0.5), ir.mul(v, r))), y1)
+    r = _polynomial(ir, z, square, _SINE[1:])
+    inner = ir.sub(y1, ir.mul(z, ir.add(ir.mul(y1, 0.5), ir.mul(v, r))))
     return ir.sub(y0, ir.sub(inner, ir.mul(v, _SINE[0])))
 
 
-def _cosine(ir: _Lines, y0: str, y1: str, z: str) -> str:
-    r = ir.mul(z, ir.polynomial(z, _COSINE))
+def _cosine(ir: Lines, y0: str, y1: str, z: str, square: str) -> str:
+    r = ir.mul(z, _polynomial(ir, z, square, _COSINE))
     half = ir.mul(z, 0.5)
     w = ir.sub(1.0, half)
-    return ir.add(w, ir.add(ir.sub(ir.sub(1.0, w), half), ir.sub(ir.mul(z, r), ir.mul(y0, y1))))
+    return ir.add(w, ir.add(ir.sub(ir.sub(1.0, w), half), ir.add(ir.mul(z, r), ir.mul(y0, y1))))
 
 
-def _signed(ir: _Lines, magnitude: str, bits: str) -> str:
-    """The number with its sign flipped where bit 1 of `bits` is set."""
-    sign = ir.emit(f"shl i64 {ir.emit(f'and i64 {bits}, 2')}, 62")
-    raw = ir.emit(f"bitcast double {magnitude} to i64")
-    return ir.emit(f"bitcast i64 {ir.emit(f'xor i64 {raw}, {sign}')} to double")
+def _quadrant(ir: Lines, sine: str, cosine: str, bits: str) -> tuple[str, str]:
+    """(sin x, cos x) from those of r: exchanged where bit 0 is set; signs by bit 1 and by bit 0 + bit 1."""
+    last = ir.bits("shl", bits, 63)
+    exchanged = ir.bits("icmp slt", last, 0)
+    sign = ir.bits("and", ir.bits("shl", bits, 62), _SIGN)
+    s = ir.bits("xor", ir.integers(ir.choose(exchanged, cosine, sine)), sign)
+    c = ir.bits("xor", ir.integers(ir.choose(exchanged, sine, cosine)), ir.bits("xor", sign, last))
+    return ir.floats(s), ir.floats(c)
 
 
-def _pair(ir: _Lines, sine: str, cosine: str) -> str:
-    half = ir.emit(f"insertvalue {{ double, double }} poison, double {sine}, 0")
-    return ir.emit(f"insertvalue {{ double, double }} {half}, double {cosine}, 1")
+def _all_lanes(ir: Lines, condition: str) -> str:
+    number = ir.number
+    if not number.wide:
+        return condition
+    mask = ir.emit(f"bitcast {number.truth} {condition} to i{number.lanes}")
+    return ir.emit(f"icmp eq i{number.lanes} {mask}, -1")
 
 
-def sincos_ir() -> str:
-    """The function `SINCOS` and the declarations that it needs, as LLVM IR."""
-    ir = _Lines()
-    y0, y1, bits = _reduced(ir)
+def sincos_ir(number: Number) -> str:
+    """The function `sincos_name(number)` and what it declares, as LLVM IR; that of floats calls that of doubles."""
+    head = f"define internal {number.pair} {sincos_name(number)}({number.text} %x) nounwind memory(none) {{"
+    ir = Lines(number)
+    if number.bits == 32:
+        return f"{head}\n{_through_doubles(ir)}}}\n"
+    y0, y1, bits = _reduced(ir, "%x")
     z = ir.mul(y0, y0)
-    sine, cosine = _sine(ir, y0, y1, z), _cosine(ir, y0, y1, z)
-    odd = ir.emit(f"trunc i64 {bits} to i1")
-    s = _signed(ir, ir.emit(f"select i1 {odd}, double {cosine}, double {sine}"), bits)
-    following = ir.emit(f"add i64 {bits}, 1")
-    c = _signed(ir, ir.emit(f"select i1 {odd}, double {sine}, double {cosine}"), following)
-    tiny = ir.emit(f"fcmp olt double %size, {hexadecimal(_TINY)}")
-    result = _pair(ir, ir.emit(f"select i1 {tiny}, double %x, double {s}"), c)
-    body = "\n".join(ir.lines)
-    return f"""declare double @llvm.fabs.f64(double)
-declare double @llvm.sin.f64(double)
-declare double @llvm.cos.f64(double)
+    square = ir.mul(z, z)
+    s, c = _quadrant(ir, _sine(ir, y0, y1, z, square), _cosine(ir, y0, y1, z, square), bits)
+    near = ir.emit(f"fcmp ole {number.text} {ir.intrinsic('fabs', '%x')}, {number.constant(RANGE)}")
+    ir.lines.append(f"  br i1 {_all_lanes(ir, near)}, label %within, label %beyond, !prof !0\nwithin:")
+    ir.lines.append(f"  ret {number.pair} {ir.both(s, c)}\nbeyond:")
+    far_s, far_c = (ir.choose(near, a, ir.intrinsic(f, "%x")) for f, a in (("sin", s), ("cos", c)))
+    ir.lines.append(f"  ret {number.pair} {ir.both(far_s, far_c)}")
+    declared = (f"declare {number.text} @llvm.{f}.{number.suffix}({number.text})" for f in ("fabs", "sin", "cos"))
+    return "\n".join([*declared, head, str(ir), "}\n"])
 
-define internal {{ double, double }} {SINCOS}(double %x) nounwind memory(none) {{
-  %size = call double @llvm.fabs.f64(double %x)
-  %near = fcmp ole double %size, {hexadecimal(RANGE)}
-  br i1 %near, label %within, label %beyond, !prof !0
-within:
-{body}
-  ret {{ double, double }} {result}
-beyond:
-  %s = call double @llvm.sin.f64(double %x)
-  %c = call double @llvm.cos.f64(double %x)
-  %half = insertvalue {{ double, double }} poison, double %s, 0
-  %both = insertvalue {{ double, double }} %half, double %c, 1
-  ret {{ double, double }} %both
-}}
 
-!0 = !{{!"branch_weights", i32 1000000, i32 1}}
-"""
+def _through_doubles(ir: Lines) -> str:
+    """The body for floats: widened, evaluated in double, rounded."""
+    number, double = ir.number, ir.number.doubles
+    x = ir.emit(f"fpext {number.text} %x to {double.text}")
+    results = ir.emit(f"call {double.pair} {sincos_name(double)}({double.text} {x})")
+    halves = [ir.emit(f"extractvalue {double.pair} {results}, {k}") for k in (0, 1)]
+    s, c = (ir.emit(f"fptrunc {double.text} {half} to {number.text}") for half in halves)
+    both = ir.both(s, c)
+    return f"{ir}\n  ret {number.pair} {both}\n"
