@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from nullbody.expr import Expr, latex
-from nullbody.expr.text import latex_symbol, shared_nodes
+from nullbody.expr.display import flat, latex_equation
+from nullbody.expr.text import latex_symbol
 
 if TYPE_CHECKING:
     from nullbody.equations.equations import Equations
@@ -75,15 +75,6 @@ def _directions(labels: Sequence[str], loop: str) -> list[str]:
     return [direction for name, _, direction in (label.rpartition(" ") for label in labels) if name == loop]
 
 
-def flat(output: Any) -> Iterator[Expr]:
-    """The expressions of a scalar, vector or matrix, row by row."""
-    if isinstance(output, Sequence):
-        for part in output:
-            yield from flat(part)
-    else:
-        yield output
-
-
 def shape(output: Any) -> tuple[int, ...]:
     """The shape of a scalar, vector or matrix."""
     if not isinstance(output, Sequence):
@@ -94,17 +85,4 @@ def shape(output: Any) -> tuple[int, ...]:
 
 def latex_definition(name: str, output: Any) -> str:
     """`name = ...` in an aligned environment, shared sub-expressions first."""
-    entries = list(flat(output))
-    shared = shared_nodes(entries)
-    names: dict[int, str] = {}
-    lines = []
-    for number, node in enumerate(shared, 1):
-        lines.append(rf"z_{{{number}}} &= {latex(Expr(entries[0].graph, 2 * node), names)}")
-        names[node] = f"z_{{{number}}}"
-    symbol = _LATEX_NAMES.get(name) or latex_symbol(name)
-    if isinstance(output, Sequence):
-        body = r" \\ ".join(" & ".join(latex(e, names) for e in flat(row)) for row in output)
-        lines.append(rf"{symbol} &= \begin{{bmatrix}} {body} \end{{bmatrix}}")
-    else:
-        lines.append(rf"{symbol} &= {latex(output, names)}")
-    return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
+    return latex_equation(_LATEX_NAMES.get(name) or latex_symbol(name), output)

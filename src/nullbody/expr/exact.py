@@ -102,6 +102,10 @@ class Exact:
         return self + -other
 
     def __mul__(self, other: Exact) -> Exact:
+        if len(self.terms) == len(other.terms) == 1:
+            ((k, left),), ((n, right),) = self.terms, other.terms
+            common = gcd(k, n)
+            return Exact(((k * n // common**2, left * right * common if common > 1 else left * right),))
         total: dict[int, Fraction] = {}
         for k, left in self.terms:
             for n, right in other.terms:
@@ -126,6 +130,14 @@ class Exact:
         ((_, rational),) = denominator.terms
         return numerator * Exact(((1, 1 / rational),))
 
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        """Kept: a graph looks its constants up again and again."""
+        return hash(self.terms)
+
     @cached_property
     def _approximation(self) -> Fraction:
         scale = 1 << _BITS
@@ -137,6 +149,8 @@ class Exact:
     @property
     def negative(self) -> bool:
         """Whether the number is below zero."""
+        if len(self.terms) == 1:
+            return self.terms[0][1] < 0
         return self._approximation < 0
 
     @property

@@ -49,6 +49,7 @@ class Graph:
         self.code: list[Key] = []
         self.symbols: list[str] = []
         self.constants: list[Exact] = []
+        self._negatives: list[Exact] = []
         self.depends: list[int] = []
         self._seed = seed
         self._witness = Witness(self, Field(PRIMES[0], seed))
@@ -65,6 +66,16 @@ class Graph:
 
     def __repr__(self) -> str:
         return f"<Graph {len(self.code)} nodes, {len(self.symbols)} symbols>"
+
+    def copy(self) -> Graph:
+        """A graph with the same nodes; references keep their meaning, what is added to one is not in the other."""
+        twin = Graph.__new__(Graph)
+        twin.__dict__.update(
+            {name: value.copy() for name, value in vars(self).items() if isinstance(value, list | dict)}
+        )
+        twin._seed = self._seed
+        twin._witness = self._witness.copy(twin)
+        return twin
 
     # -- leaves ---------------------------------------------------------------------------------------------
 
@@ -90,6 +101,7 @@ class Graph:
             return self.constant_ref(-number) ^ 1
         if number not in self._by_constant:
             self.constants.append(number)
+            self._negatives.append(-number)
             self._by_constant[number] = self._append(("const", len(self.constants) - 1, 0), 0)
         return self._by_constant[number]
 
@@ -98,7 +110,7 @@ class Graph:
         op, left, _ = self.code[ref >> 1]
         if op != "const":
             return None
-        return -self.constants[left] if ref & 1 else self.constants[left]
+        return self._negatives[left] if ref & 1 else self.constants[left]
 
     def value(self, ref: int) -> int:
         """The value of a reference at the random point of the prime field."""

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Witness"]
 
+_LARGEST_MULTIPLE = 64  # of an angle that is followed by the addition theorems
+
 
 class Witness:
     """The values of a graph's nodes at one point: the evidence on which nodes are merged.
@@ -24,6 +26,12 @@ class Witness:
         self.field = field
         self.values: list[int] = []
         self._circles: dict[int, tuple[int, int]] = {}
+
+    def copy(self, graph: Graph) -> Witness:
+        """The same values, for a copy of the graph."""
+        twin = Witness(graph, self.field)
+        twin.values, twin._circles = self.values.copy(), self._circles.copy()
+        return twin
 
     def of_ref(self, ref: int) -> int:
         """Value of a signed reference."""
@@ -56,23 +64,37 @@ class Witness:
         """(cos, sin) of an angle: a point of the circle, homomorphic in sums and integer multiples."""
         node = ref >> 1
         if node not in self._circles:
-            self._circles[node] = self._new_circle(node)
+            self._find_circle(node)
         c, s = self._circles[node]
         return (c, self.field.prime - s) if ref & 1 and s else (c, s)
 
-    def _new_circle(self, node: int) -> tuple[int, int]:
+    def _find_circle(self, node: int) -> None:
+        """The point of an angle: turned by its parts, theirs first, or a random one."""
+        pending = [node]
+        while pending:
+            current = pending[-1]
+            parts = self._parts(current)
+            missing = [ref >> 1 for ref, _ in parts if ref >> 1 not in self._circles]
+            if missing:
+                pending += missing
+                continue
+            point = (1, 0) if parts else self.field.circle(str(self.values[current]))
+            for ref, times in parts:
+                for _ in range(times):
+                    point = self._turn(point, self._circle(ref))
+            self._circles[current] = point
+            pending.pop()
+
+    def _parts(self, node: int) -> tuple[tuple[int, int], ...]:
+        """An angle as a sum of (angle, how often), where it is one of whole multiples."""
         op, a, b = self.graph.code[node]
         if op in ("add", "sub"):
-            return self._turn(self._circle(a), self._circle(b ^ 1 if op == "sub" else b))
-        if op == "mul":
-            number = self.graph.constant_of(a)
-            if number is not None and number.fraction is not None and number.fraction.denominator == 1:
-                result = (1, 0)
-                for _ in range(min(abs(number.fraction.numerator), 64)):
-                    result = self._turn(result, self._circle(b))
-                if abs(number.fraction.numerator) <= 64:
-                    return result
-        return self.field.circle(str(self.values[node]))
+            return (a, 1), (b ^ 1 if op == "sub" else b, 1)
+        number = self.graph.constant_of(a) if op == "mul" else None
+        if number is None or number.fraction is None or number.fraction.denominator != 1:
+            return ()
+        times = abs(number.fraction.numerator)
+        return ((b, times),) if times <= _LARGEST_MULTIPLE else ()
 
     def _turn(self, one: tuple[int, int], two: tuple[int, int]) -> tuple[int, int]:
         p = self.field.prime
