@@ -29,7 +29,7 @@ from nullbody.nullspace import null_space
         ([[True, 1]], "number or an expression"),
         ([["1", 2]], "number or an expression"),
         ([[None, 2]], "number or an expression"),
-        ([[1j, 2]], "number or an expression"),
+        ([[1j, sympy.Symbol("x")]], "complex"),
         (["12", "34"], "number or an expression"),
     ],
 )
@@ -56,7 +56,7 @@ def test_bad_columns(independent: list[Any], message: str) -> None:
 
 
 def test_a_singular_choice_of_floats_says_so() -> None:
-    with pytest.raises(SingularityError, match="choose other columns, or leave out rows"):
+    with pytest.raises(SingularityError, match=r"\[0\] would do"):
         null_space([[0.0, 1.0]], [1])
 
 
@@ -70,7 +70,9 @@ def test_numpy_arrays_of_any_kind_are_welcome() -> None:
 
 
 def test_its_repr_says_what_it_is() -> None:
-    assert repr(null_space([[1, 2, 4]])) == "<NullSpace 3 x 2, rank 1, independent columns [1, 2], delta = 1>"
+    assert repr(null_space([[1, 2, 4]])) == (
+        "<NullSpace reduced 3 x 2, rank 1, independent columns [1, 2], by minors, delta = 1>"
+    )
     graph = Graph()
     assert "operations" in repr(null_space([[graph.symbol("x"), graph.symbol("y")]]))
 
@@ -79,5 +81,6 @@ def test_floats_choose_columns_by_size() -> None:
     space = null_space([[0.1, 0.7, 1.0], [0.3, 2.1, 3.5]])
     assert 2 not in space.independent
     assert np.abs(np.array([[0.1, 0.7, 1.0], [0.3, 2.1, 3.5]]) @ np.array(space.basis, float)).max() < 1e-15
-    with pytest.raises(InputError, match="repeat others to rounding"):
-        null_space([[1.0, 2.0, 3.0], [2.0, 4.0, 6.0]])
+    repeated = null_space([[1.0, 2.0, 3.0], [2.0, 4.0, 6.0]])
+    assert repeated.rank == 1
+    assert len(repeated.redundant) == 1

@@ -10,9 +10,11 @@ import sympy
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from nullbody.errors import SingularityError
+from nullbody.errors import InputError, SingularityError
 from nullbody.expr import Graph, cos, sin
 from nullbody.nullspace import echelon, null_space, orthogonal_basis
+from nullbody.nullspace.call import symbolic_null_space
+from nullbody.nullspace.given import read
 
 Rows = list[list[Any]]
 
@@ -32,7 +34,10 @@ def defective(draw: st.DrawFn) -> Rows:
         factor = draw(st.integers(-2, 2))
         rows.insert(draw(st.integers(0, len(rows))), [a + factor * b for a, b in zip(rows[i], rows[j], strict=True)])
     empty = draw(st.integers(-1, n - 1))
-    return [[0 if j == empty else e for j, e in enumerate(row)] for row in rows]
+    rows = [[0 if j == empty else e for j, e in enumerate(row)] for row in rows]
+    if sympy.Matrix(rows).rank() == n:  # another column, so that there is a null space
+        rows = [[*row, row[0] - 2 * row[-1]] for row in rows]
+    return rows
 
 
 @given(defective())
@@ -191,9 +196,11 @@ def test_the_order_of_the_free_columns_is_the_callers(A: Rows) -> None:
 
 
 def test_a_regular_square_matrix_leaves_nothing_free() -> None:
-    space = null_space([[2, 1], [1, 1]])
+    for A in ([[2, 1], [1, 1]], [[2, 1], [1, 1], [0, 5]], [[2.0, 1.0], [1.0, 1.0]], sympy.eye(2), np.eye(3)):
+        with pytest.raises(InputError, match="nothing but 0|only 0"):
+            null_space(A)
+    space = symbolic_null_space(read([[2, 1], [1, 1]]))  # a mechanism may have no freedom
     assert (space.basis, space.scaled, space.independent) == (((), ()), ((), ()), ())
-    assert orthogonal_basis([[2, 1], [1, 1]]) == ((), ())
     assert space.offset([3, 2]) == (-1, -1)
 
 

@@ -19,7 +19,11 @@ from nullbody.errors import InputError, SingularityError, UnknownName
 from nullbody.expr import Expr, Graph, directional, substitute
 from nullbody.expr.matrix import add, dot, matvec, scale, total
 from nullbody.mechanism import Mechanism
-from nullbody.nullspace import NullSpace, echelon, null_space
+from nullbody.nullspace import SymbolicNullSpace, echelon
+from nullbody.nullspace.call import symbolic_null_space
+from nullbody.nullspace.given import Given
+from nullbody.nullspace.plan import Plan
+from nullbody.nullspace.steps import sparse_rows
 
 __all__ = ["derive"]
 
@@ -130,24 +134,25 @@ def _preferred_order(mechanism: Mechanism) -> list[int]:
     return sorted(range(len(names)), key=lambda j: names[j] in mechanism.actuated)
 
 
-def _null_space(A: list[list[Expr]], names: tuple[str, ...], chosen: tuple[str, ...]) -> NullSpace:
+def _null_space(A: list[list[Expr]], names: tuple[str, ...], chosen: tuple[str, ...]) -> SymbolicNullSpace:
     independent = [names.index(name) for name in chosen]
-    if not A:
-        return NullSpace.without_constraints(tuple(independent))
+    given = Given("expressions", sparse_rows(A), len(names))
     try:
-        return null_space(A, independent)
+        return symbolic_null_space(given, independent, plan=Plan(offsets=True))
     except SingularityError:
         form = echelon(A, [j for j in range(len(names)) if j not in independent] + independent)
-        would_do = [name for j, name in enumerate(names) if form is not None and j not in form.columns]
+        would_do = [name for j, name in enumerate(names) if j not in form.columns]
         raise SingularityError(
             f"{', '.join(chosen)} cannot be the independent coordinates in any configuration: they depend on each "
             f"other, |B| is identically zero. {', '.join(would_do)} would do"
         ) from None
 
 
-def _outputs(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symbols, c: list[Expr]) -> dict[str, Any]:
+def _outputs(
+    loops: Closures, bodies: Inertia, space: SymbolicNullSpace, symbols: _Symbols, c: list[Expr]
+) -> dict[str, Any]:
     zero = symbols.zero
-    N = space.basis
+    N = space.reduced
     gamma = space.offset(c, of_simplified=True)
     reduced = reduce(bodies.M, bodies.h, N, gamma)
     outputs = {
@@ -171,17 +176,17 @@ def _outputs(loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symbo
     return {name: _expressions(output, zero) for name, output in outputs.items()}
 
 
-def _simplified_c(space: NullSpace, symbols: _Symbols) -> list[Expr]:
+def _simplified_c(space: SymbolicNullSpace, symbols: _Symbols) -> list[Expr]:
     """c = A' q' [7] of the simplified rows: B^-1 c is the same for both, and this one costs less."""
     products = [symbols.zero + rate for rate in matvec(space.simplified, symbols.rates)]
     return directional(products, dict(zip(symbols.q, symbols.rates, strict=True)))
 
 
 def _routines(
-    loops: Closures, bodies: Inertia, space: NullSpace, symbols: _Symbols, simplified_c: list[Expr]
+    loops: Closures, bodies: Inertia, space: SymbolicNullSpace, symbols: _Symbols, simplified_c: list[Expr]
 ) -> dict[str, Routine]:
     """The same equations with q' = N v put in, grouped by what is evaluated together."""
-    zero, N, v = symbols.zero, space.basis, symbols.v
+    zero, N, v = symbols.zero, space.reduced, symbols.v
     qd = [zero + rate for rate in matvec(N, v)]
     onto = {symbols.rates[j]: qd[j] for j in space.dependent}
     h, c = substitute(bodies.h, onto), substitute(simplified_c, onto)

@@ -10,7 +10,7 @@ from nullbody.equations.presentation import flat, latex_definition, summary
 from nullbody.errors import UnknownName
 from nullbody.expr import Graph, Operations, operations
 from nullbody.mechanism import Mechanism
-from nullbody.nullspace import NullSpace
+from nullbody.nullspace import SymbolicNullSpace
 
 __all__ = ["Equations", "Routine"]
 
@@ -59,7 +59,7 @@ class Equations:
     outputs: Mapping[str, Any]
     routines: Mapping[str, Routine]
     groups: Mapping[str, tuple[str, ...]]
-    null_space: NullSpace
+    null_space: SymbolicNullSpace
 
     @property
     def dependent(self) -> tuple[str, ...]:

@@ -17,7 +17,9 @@ from typing import Any
 from nullbody.errors import MechanismError
 from nullbody.expr.matrix import Matrix, Vector, add, dot, matmul, matvec, scale, total, transpose
 from nullbody.nullspace.elimination import eliminate
+from nullbody.nullspace.plan import Plan
 from nullbody.nullspace.scalar import is_zero
+from nullbody.nullspace.steps import sparse_rows
 
 __all__ = [
     "Reduced",
@@ -91,7 +93,7 @@ def required_inputs(Br: Matrix, Qr: Sequence[Any]) -> list[Any]:
     """u with Br u = Qr where there is one input for each degree of freedom; none otherwise."""
     if not Br or len(Br) != len(Br[0]):
         return []
-    factors = eliminate(Br)
+    factors = eliminate(sparse_rows(Br), plan=Plan(simplify=False, offsets=True))
     return [] if is_zero(factors.delta) else factors.solve(Qr)
 
 

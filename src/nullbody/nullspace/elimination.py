@@ -1,41 +1,107 @@
-"""B x = r for a square matrix of expressions: constant pivots, block-triangular form, minors inside the blocks.
+"""B x = r for a square matrix: constant pivots, block-triangular form, minors inside the blocks.
 
 Only constants are ever divided by, and in the end each block's determinant, once. The scaled solution
-|B| x = adj(B) r divides by no expression at all.
+|B| x = adj(B) r divides by no expression at all. Blocks that are too large for minors are eliminated by pivots that
+are expressions, as is everything where the fewest operations are wanted (method "elimination").
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
-from nullbody.expr.matrix import Matrix, dot, total
-from nullbody.nullspace.minors import adjugate, parity
-from nullbody.nullspace.rows import RowStep
-from nullbody.nullspace.scalar import is_constant, is_zero, reciprocal
+from nullbody.expr.matrix import dot, total
+from nullbody.nullspace.minors import Minors, parity
+from nullbody.nullspace.order import chosen_lines
+from nullbody.nullspace.pivots import Pivot, eliminated
+from nullbody.nullspace.plan import DEFAULT, Plan
+from nullbody.nullspace.rows import RowSearch
+from nullbody.nullspace.scalar import is_zero, reciprocal
+from nullbody.nullspace.steps import Scale, Sparse, Step, combined, forward, transposed
 from nullbody.nullspace.structure import block_triangular
 
-__all__ = ["Elimination", "eliminate"]
+__all__ = ["Block", "Elimination", "eliminate"]
 
 
 @dataclass(frozen=True)
-class _Pivot:
-    """A constant pivot: row and column of B, and 1 / pivot."""
+class Block:
+    """An irreducible diagonal block: K x = y by x = adj(K) y / |K|.
 
-    row: int
-    column: int
-    inverse: Any
-
-
-@dataclass(frozen=True)
-class _Block:
-    """An irreducible diagonal block with its adjugate and determinant."""
+    Attributes:
+        rows, columns: where it stands.
+        matrix: K.
+        minors: its minors.
+        many: whether there are more right-hand sides than rows.
+    """
 
     rows: tuple[int, ...]
     columns: tuple[int, ...]
-    adjugate: tuple[tuple[Any, ...], ...]
-    delta: Any
+    matrix: tuple[tuple[Any, ...], ...]
+    minors: Minors
+    many: bool
+
+    plain = False
+
+    @cached_property
+    def value(self) -> Any:
+        """|K|"""
+        return self.minors.determinant
+
+    @cached_property
+    def inverse(self) -> Any:
+        """1 / |K|"""
+        return reciprocal(self.value)
+
+    def solved(self, y: Sparse) -> Sparse:
+        """K^-1 y, by column: adj(K) y / |K|, or (adj(K) / |K|) y where many right-hand sides share that."""
+        if not self.many:
+            found = {j: value * self.inverse for j, value in self.scaled(y).items() if not is_zero(value)}
+        else:
+            found = self._sums(y, self._inverse_entry)
+        return {j: value for j, value in found.items() if not is_zero(value)}
+
+    def _inverse_entry(self, row: int, column: int) -> Any:
+        key = row, column
+        if key not in self._entries:
+            cofactor = self.minors.cofactor(row, column)
+            self._entries[key] = cofactor if is_zero(cofactor) else cofactor * self.inverse
+        return self._entries[key]
+
+    @cached_property
+    def _entries(self) -> dict[tuple[int, int], Any]:
+        return {}
+
+    def _sums(self, y: Sparse, entry: Callable[[int, int], Any]) -> Sparse:
+        return {
+            column: combined(*((entry(r, k), y[row]) for r, row in enumerate(self.rows) if row in y))
+            for k, column in enumerate(self.columns)
+        }
+
+    def scaled(self, y: Sparse) -> Sparse:
+        """adj(K) y, by column."""
+        return self._sums(y, self.minors.cofactor)
+
+    def scaled_transposed(self, y: Sparse) -> Sparse:
+        """adj(K)^T y, by row."""
+        return {
+            row: combined(*((self.minors.cofactor(r, k), y[c]) for k, c in enumerate(self.columns) if c in y))
+            for r, row in enumerate(self.rows)
+        }
+
+    @property
+    def doubt(self) -> Any:
+        """(product of K's column lengths)^2 / |K|^2 (Hadamard): 1 at best, 1e30 where |K| is rounding."""
+        product: Any = 1
+        for column in zip(*self.matrix, strict=True):
+            product = dot(column, column) * product
+        inverse = reciprocal(self.value)
+        return product * (inverse * inverse)
+
+
+#: One step of the solution: unknowns that depend on each other.
+Stage = Pivot | Block
 
 
 @dataclass(frozen=True)
@@ -44,185 +110,225 @@ class Elimination:
 
     Attributes:
         delta: |B|; 0 where B is singular as a matrix of expressions.
-        pivots: constant pivots, in order.
-        blocks: irreducible blocks, each depending on later ones only.
+        unknowns: the columns of B, in order.
+        stages: pivots and blocks; each needs the solutions of those after it only.
+        rows: the whole matrix after the steps, the rows by column.
+        steps: the row operations, in order.
+        simplified: the whole matrix after the first `simplifications` steps, which are constant.
     """
 
     delta: Any
-    pivots: tuple[_Pivot, ...]
-    blocks: tuple[_Block, ...]
-    _matrix: tuple[tuple[Any, ...], ...]
-    _steps: tuple[tuple[int, int, Any], ...]
+    unknowns: tuple[int, ...]
+    stages: tuple[Stage, ...]
+    rows: tuple[Sparse, ...]
+    steps: tuple[Step, ...]
+    simplified: tuple[Sparse, ...]
+    simplifications: int
 
-    def solve(self, right: Sequence[Any], skip: int = 0) -> list[Any]:
+    def solve(self, right: Sequence[Any], *, of_simplified: bool = False) -> list[Any]:
         """x = B^-1 r, with one reciprocal for each block; shared by all right-hand sides of a graph.
 
         Args:
-            right: r, after the first `skip` row operations.
-            skip: how many of the steps given to `eliminate` it has gone through.
+            right: r, one entry for each row of the matrix, or of `simplified`.
+            of_simplified: whether it belongs to `simplified`.
         """
-        work = self._forward(right, skip)
-        x: list[Any] = [0] * len(work)
-        for block in reversed(self.blocks):
-            y = self._block_right(block, work, x)
-            inverse = reciprocal(block.delta)
-            for i, column in enumerate(block.columns):
-                numerator = dot(block.adjugate[i], y)
-                x[column] = 0 if is_zero(numerator) else numerator * inverse
-        for pivot in self.pivots:
-            x[pivot.column] = total((work[pivot.row], self._beyond(pivot, x))) * pivot.inverse
-        return x
+        return self._solved(self._forward(right, of_simplified))
 
-    def solve_scaled(self, right: Sequence[Any], skip: int = 0) -> list[Any]:
+    def solve_scaled(self, right: Sequence[Any], *, of_simplified: bool = False) -> list[Any]:
         """|B| x = adj(B) r, without any division by an expression; arguments as `solve`."""
-        work = self._forward(right, skip)
-        x: list[Any] = [0] * len(work)
-        factor: Any = self._constant
-        for block in reversed(self.blocks):
-            y = self._block_right(block, [0 if is_zero(w) else w * factor for w in work], x)
-            x = [0 if is_zero(value) else value * block.delta for value in x]
-            for i, column in enumerate(block.columns):
-                x[column] = dot(block.adjugate[i], y)
-            factor = factor * block.delta
-        for pivot in self.pivots:
-            own = work[pivot.row]
-            own = 0 if is_zero(own) else own * factor
-            x[pivot.column] = total((own, self._beyond(pivot, x))) * pivot.inverse
-        return x
+        return self._solved_scaled(self._forward(right, of_simplified))
+
+    def solve_column(self, j: int) -> list[Any]:
+        """B^-1 times column j of the matrix."""
+        return self._solved({i: row[j] for i, row in enumerate(self.rows) if j in row})
+
+    def solve_column_scaled(self, j: int) -> list[Any]:
+        """adj(B) times column j of the matrix."""
+        return self._solved_scaled({i: row[j] for i, row in enumerate(self.rows) if j in row})
+
+    def _solved(self, work: Sparse) -> list[Any]:
+        x: Sparse = {}
+        for stage in reversed(self.stages):
+            y = self._remaining(stage, work, x)
+            if y:
+                x |= stage.solved(y)
+        return [x.get(j, 0) for j in self.unknowns]
+
+    def _solved_scaled(self, work: Sparse) -> list[Any]:
+        """Every unknown times the determinants of the stages that it depends on, in the end brought to |B|."""
+        x: Sparse = {}
+        scale: dict[int, frozenset[int]] = {}
+        for k in reversed(range(len(self.stages))):
+            stage = self.stages[k]
+            near = {j for i in stage.rows for j in self.rows[i] if j in x}
+            common = frozenset().union(*(scale[j] for j in near))
+            known = {j: self._product(common - scale[j], x[j]) for j in near}
+            lifted = {i: self._product(common, work[i]) for i in stage.rows if i in work}
+            y = self._remaining(stage, lifted, known)
+            if not y:
+                continue
+            solved, own = stage.scaled(y), common | {k}
+            if stage.plain:
+                solved, own = {j: value * stage.inverse for j, value in solved.items()}, common
+            for j, value in solved.items():
+                if not is_zero(value):
+                    x[j], scale[j] = value, own
+        everything = frozenset(k for k, stage in enumerate(self.stages) if not stage.plain)
+        return [self._constant * self._product(everything - scale[j], x[j]) if j in x else 0 for j in self.unknowns]
 
     def solve_transposed(self, right: Sequence[Any]) -> list[Any]:
         """y = B^-T r, with one reciprocal for each block."""
-        work = list(right)
-        y: list[Any] = [0] * len(work)
-        for pivot in self.pivots:
-            y[pivot.row] = work[pivot.column] * pivot.inverse
-            for column in self._core:
-                work[column] = _less(work[column], self._matrix[pivot.row][column], y[pivot.row])
-        for block in self.blocks:
-            inverse = reciprocal(block.delta)
-            part = [work[column] for column in block.columns]
-            for k, row in enumerate(block.rows):
-                numerator = dot([adj_row[k] for adj_row in block.adjugate], part)
-                y[row] = 0 if is_zero(numerator) else numerator * inverse
-            for column in self._core:
-                if column not in block.columns:
-                    for row in block.rows:
-                        work[column] = _less(work[column], self._matrix[row][column], y[row])
-        for row, source, factor in reversed(self._steps):
-            y[source] = _less(y[source], factor, y[row])
-        return y
+        work = {j: value for j, value in zip(self.unknowns, right, strict=True) if not is_zero(value)}
+        y: Sparse = {}
+        for stage in self.stages:
+            for i, value in stage.scaled_transposed({j: work[j] for j in stage.columns if j in work}).items():
+                if is_zero(value):
+                    continue
+                y[i] = value * stage.inverse
+                for j, entry in self.rows[i].items():
+                    if j not in stage.columns:
+                        work[j] = total((work.get(j, 0), -(entry * y[i])))
+        transposed(self.steps, y)
+        return [y.get(i, 0) for i in range(len(self.rows))]
+
+    @property
+    def eliminated(self) -> bool:
+        """Whether a pivot is an expression, which may vanish where |B| does not."""
+        return any(isinstance(stage, Pivot) and not stage.plain for stage in self.stages)
 
     @property
     def doubt(self) -> Any:
-        """Sum over the blocks of (product of column lengths)^2 / delta^2 (Hadamard): 1 at best, 1e30 where 0/0.
+        """Sum over the stages of how near each determinant is to rounding; 1e28 where nothing is left of it."""
+        return total(stage.doubt for stage in self.stages)
 
-        A block whose determinant is at rounding level gives an arbitrary solution, however small that looks.
-        """
-        terms = []
-        for block in self.blocks:
-            product: Any = 1
-            for column in block.columns:
-                entries = [self._matrix[row][column] for row in block.rows]
-                product = dot(entries, entries) * product
-            inverse = reciprocal(block.delta)
-            terms.append(product * (inverse * inverse))
-        return total(terms)
-
-    @property
-    def _core(self) -> list[int]:
-        return [column for block in self.blocks for column in block.columns]
-
-    @property
-    def _constant(self) -> Any:
-        """|B| = constant * product of the blocks' determinants: the signed product of the pivots."""
-        rows = [p.row for p in self.pivots] + [r for block in self.blocks for r in block.rows]
-        columns = [p.column for p in self.pivots] + [c for block in self.blocks for c in block.columns]
-        result: Any = parity(rows) * parity(columns)
-        for pivot in self.pivots:
-            result = reciprocal(pivot.inverse) * result
-        return result
-
-    def _forward(self, right: Sequence[Any], skip: int) -> list[Any]:
-        work = list(right)
-        for row, source, factor in self._steps[skip:]:
-            work[row] = _less(work[row], factor, work[source])
+    def _forward(self, right: Sequence[Any], of_simplified: bool) -> Sparse:
+        work = {i: value for i, value in enumerate(right) if not is_zero(value)}
+        forward(self.steps[self.simplifications if of_simplified else 0 :], work)
         return work
 
-    def _block_right(self, block: _Block, work: Sequence[Any], x: Sequence[Any]) -> list[Any]:
-        return [
-            total((work[row], -dot([self._matrix[row][c] for c in self._core], [x[c] for c in self._core])))
-            for row in block.rows
-        ]
+    def _remaining(self, stage: Stage, work: Sparse, x: Sparse) -> Sparse:
+        """The right-hand side of a stage: what is left after the unknowns that are known."""
+        found = {}
+        for i in stage.rows:
+            known = combined(*((entry, x[j]) for j, entry in self.rows[i].items() if j in x))
+            value = total((work.get(i, 0), -known))
+            if not is_zero(value):
+                found[i] = value
+        return found
 
-    def _beyond(self, pivot: _Pivot, x: Sequence[Any]) -> Any:
-        """Minus the part of the pivot's row that lies in the core columns, times x."""
-        core = self._core
-        return -dot([self._matrix[pivot.row][c] for c in core], [x[c] for c in core])
+    def _product(self, stages: frozenset[int], factor: Any) -> Any:
+        """The factor times the determinants of some stages."""
+        if not stages or is_zero(factor):
+            return factor
+        if stages not in self._products:
+            first, rest = min(stages), stages - {min(stages)}
+            tail, head = max(stages), stages - {max(stages)}
+            if head in self._products or len(stages) == 1:
+                self._products[stages] = self._product(head, self.stages[tail].value)
+            else:
+                self._products[stages] = self._product(rest, self.stages[first].value)
+        return self._products[stages] * factor
+
+    @cached_property
+    def _products(self) -> dict[frozenset[int], Any]:
+        return {}
+
+    @property
+    def determinant(self) -> Any:
+        """|B|, from the stages."""
+        result = self._constant
+        for stage in self.stages:
+            if not stage.plain:
+                result = 0 if is_zero(stage.value) else stage.value * result
+        return result
+
+    @cached_property
+    def _constant(self) -> Any:
+        """|B| = constant * product of the determinants that are no constants."""
+        order = [i for stage in self.stages for i in stage.rows]
+        columns = [j for stage in self.stages for j in stage.columns]
+        result: Any = parity(order) * parity(columns)
+        for step in self.steps:
+            if isinstance(step, Scale):
+                result = reciprocal(step.factor) * result
+        for stage in self.stages:
+            if stage.plain:
+                result = stage.value * result
+        return result
 
 
-def eliminate(matrix: Matrix, steps: Sequence[RowStep] = ()) -> Elimination:
-    """Factor a square matrix; `delta` is 0 where it is structurally singular or found to be singular.
+def eliminate(matrix: Sequence[Sparse], dependent: Sequence[int] | None = None, plan: Plan = DEFAULT) -> Elimination:
+    """Factor the columns B of a matrix [B | C]; `delta` is 0 where B is singular or structurally singular.
 
     Args:
-        matrix: the matrix B, after `steps`.
-        steps: constant row operations that right-hand sides have still to go through.
+        matrix: m x n, independent rows, without their zeros.
+        dependent: the m columns of B, in order; all of them by default.
+        plan: how, where there is a choice.
     """
-    n = len(matrix)
-    work = [list(row) for row in matrix]
-    pivots, own = _constant_pivots(work)
-    steps = (*steps, *own)
-    rows = [i for i in range(n) if all(i != p.row for p in pivots)]
-    columns = [j for j in range(n) if all(j != p.column for p in pivots)]
-    pattern = [[k for k, j in enumerate(columns) if not is_zero(work[i][j])] for i in rows]
-    found = block_triangular(pattern)
-    frozen = tuple(tuple(row) for row in work)
-    if found is None:
-        return Elimination(0, tuple(pivots), (), frozen, steps)
-    blocks = []
-    for block_rows, block_columns in found:
-        r, c = [rows[k] for k in block_rows], [columns[k] for k in block_columns]
-        adj, delta = adjugate([[work[i][j] for j in c] for i in r])
-        blocks.append(_Block(tuple(r), tuple(c), tuple(tuple(row) for row in adj), delta))
-    result = Elimination(0, tuple(pivots), tuple(blocks), frozen, steps)
-    delta = result._constant
-    for block in blocks:
-        delta = 0 if is_zero(block.delta) else block.delta * delta
-    return Elimination(delta, tuple(pivots), tuple(blocks), frozen, steps)
+    unknowns = tuple(range(len(matrix))) if dependent is None else tuple(dependent)
+    search = RowSearch(plan)
+    steps, simplified = search.simplified(matrix)
+    rows = [dict(row) for row in simplified]
+    work = _Work(rows, unknowns, search, list(steps))
+    regular = work.factored()
+    found = Elimination(0, unknowns, tuple(work.stages), tuple(rows), tuple(work.steps), tuple(simplified), len(steps))
+    return replace(found, delta=found.determinant) if regular else found
 
 
-def _constant_pivots(work: list[list[Any]]) -> tuple[list[_Pivot], list[tuple[int, int, Any]]]:
-    """Gauss-Jordan on constant entries, the one with the least fill first (Markowitz); `work` is changed.
+class _Work:
+    """A matrix on its way to block-triangular form: its rows are changed, stages and steps are written down."""
 
-    Only columns whose other entries are constant too are taken, so that the row operations are constant.
-    """
-    n = len(work)
-    pivots: list[_Pivot] = []
-    steps: list[tuple[int, int, Any]] = []
-    while True:
-        free_rows = [i for i in range(n) if all(i != p.row for p in pivots)]
-        free_columns = [j for j in range(n) if all(j != p.column for p in pivots)]
-        candidates = []
-        for j in free_columns:
-            entries = [(i, work[i][j]) for i in range(n) if not is_zero(work[i][j])]
-            if not all(is_constant(entry) for _, entry in entries):
-                continue
-            for i, _ in entries:
-                if i in free_rows:
-                    length = sum(not is_zero(work[i][k]) for k in free_columns)
-                    candidates.append(((length - 1) * (len(entries) - 1), j, i))
-        if not candidates:
-            return pivots, steps
-        _, column, row = min(candidates)
-        inverse = reciprocal(work[row][column])
-        for i in range(n):
-            if i != row and not is_zero(work[i][column]):
-                factor = work[i][column] * inverse
-                work[i] = [_less(a, factor, b) for a, b in zip(work[i], work[row], strict=True)]
-                work[i][column] = 0
-                steps.append((i, row, factor))
-        pivots.append(_Pivot(row, column, inverse))
+    def __init__(self, rows: list[Sparse], unknowns: Sequence[int], search: RowSearch, steps: list[Step]) -> None:
+        self.rows = rows
+        self.search = search
+        self.plan = search.plan
+        self.tie = search.plan.tie()
+        self.stages: list[Stage] = []
+        self.steps = steps
+        self.left = list(range(len(rows)))
+        self.open = list(unknowns)
+        self.rights = len({j for row in rows for j in row}) - len(self.open)
 
+    def factored(self) -> bool:
+        """Constants, then blocks; False where B is singular."""
+        self.pivot(self.left, self.open, constants=True)
+        if self.stages and self.left and self.simplify():
+            self.pivot(self.left, self.open, constants=True)
+        place = {j: k for k, j in enumerate(self.open)}
+        left, columns = self.left, self.open
+        blocks = block_triangular([[place[j] for j in self.rows[i] if j in place] for i in left])
+        if blocks is None:
+            return False
+        for block_rows, block_columns in blocks:
+            r, c = [left[k] for k in block_rows], [columns[k] for k in block_columns]
+            if len(r) <= self.plan.largest:
+                self.stages.append(self.block(r, c))
+            elif self.pivot(r, c, constants=False) < len(r):
+                return False
+        return True
 
-def _less(a: Any, factor: Any, b: Any) -> Any:
-    """a - factor b"""
-    return a if is_zero(b) or is_zero(factor) else total((a, -(factor * b)))
+    def pivot(self, rows: Sequence[int], columns: Sequence[int], *, constants: bool) -> int:
+        """Take pivots as long as there are any; return how many."""
+        pivots, made = eliminated(self.rows, rows, columns, self.tie, constants=constants)
+        self.stages += pivots
+        self.steps += made
+        used = {i for p in pivots for i in p.rows}, {j for p in pivots for j in p.columns}
+        self.left = [i for i in self.left if i not in used[0]]
+        self.open = [j for j in self.open if j not in used[1]]
+        return len(pivots)
+
+    def simplify(self) -> bool:
+        """Constant row operations on the rows that are left; whether there were any."""
+        steps, rows = self.search.simplified([self.rows[i] for i in self.left])
+        for i, row in zip(self.left, rows, strict=True):
+            self.rows[i] = row
+        self.steps += [step.moved(self.left) for step in steps]
+        return bool(steps)
+
+    def block(self, r: Sequence[int], c: Sequence[int]) -> Block:
+        """A block by minors; right-hand sides enter its rows with entries outside of it."""
+        matrix = tuple(tuple(self.rows[i].get(j, 0) for j in c) for i in r)
+        driven = {k for k, i in enumerate(r) if self.plan.offsets or not self.rows[i].keys() <= set(c)}
+        lines = chosen_lines(matrix, driven, self.plan.seed)
+        many = self.rights > len(r)
+        return Block(tuple(r), tuple(c), matrix, Minors(matrix, lines.order, by_rows=lines.by_rows), many)

@@ -9,15 +9,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from heapq import heappop, heappush
 from typing import Any
 
+from nullbody.errors import InputError
 from nullbody.expr import Exact, Expr, Graph
 from nullbody.expr.matrix import Matrix
 from nullbody.nullspace.scalar import exact_rational
+from nullbody.nullspace.steps import Sparse, sparse_rows
 
-__all__ = ["Echelon", "echelon", "float_echelon"]
-
-_ROUNDING = 1e-12  # relative to the largest entry: a pivot below is nothing but rounding
+__all__ = ["Echelon", "echelon", "sparse_echelon"]
 
 
 @dataclass(frozen=True)
@@ -40,65 +41,73 @@ class Echelon:
         return len(self.rows)
 
 
-def float_echelon(matrix: Matrix) -> Echelon:
-    """Echelon form of floats by complete pivoting: the pivots that are largest, and the rank to rounding."""
-    work = [list(map(float, row)) for row in matrix]
-    largest = max(abs(entry) for row in work for entry in row)
-    rows, columns = list(range(len(work))), list(range(len(work[0])))
-    found: list[tuple[int, int]] = []
-    while rows and columns:
-        i, j = max(((i, j) for i in rows for j in columns), key=lambda place: abs(work[place[0]][place[1]]))
-        if abs(work[i][j]) <= _ROUNDING * largest:
-            break
-        for k in rows:
-            if k != i:
-                factor = work[k][j] / work[i][j]
-                work[k] = [a - factor * b for a, b in zip(work[k], work[i], strict=True)]
-        rows.remove(i)
-        columns.remove(j)
-        found.append((i, j))
-    found.sort()
-    return Echelon(tuple(i for i, _ in found), tuple(j for _, j in found), tuple(rows))
-
-
-def echelon(matrix: Matrix, columns: Sequence[int] | None = None) -> Echelon | None:
+def echelon(matrix: Matrix, columns: Sequence[int] | None = None) -> Echelon:
     """Echelon form by witnesses, pivots taken in the given order of columns.
 
-    Returns:
-        None where the scalars have no exact witness (floats, SymPy expressions).
+    Raises:
+        InputError: scalars without an exact witness (floats, SymPy expressions).
     """
-    graph = next((entry.graph for row in matrix for entry in row if isinstance(entry, Expr)), None)
-    prime = None if graph is None else graph.prime
-    witnesses = [[_witness(entry, graph) for entry in row] for row in matrix]
-    if any(entry is None for row in witnesses for entry in row):
-        return None
-    order = list(columns) if columns is not None else list(range(len(matrix[0]) if matrix else 0))
-    kept: list[list[Any]] = []
-    rows: list[int] = []
-    pivots: list[int] = []
-    redundant: list[int] = []
-    for i, row in enumerate(witnesses):
-        work = list(row)
-        for pivot, known in zip(pivots, kept, strict=True):
-            if work[pivot]:
-                factor = work[pivot]
-                work = [_reduced(a - factor * b, prime) for a, b in zip(work, known, strict=True)]
-        pivot_column = next((j for j in order if work[j]), None)
-        if pivot_column is None:
-            redundant.append(i)
-            continue
-        inverse = _inverse(work[pivot_column], prime)
-        kept.append([_reduced(a * inverse, prime) for a in work])
-        rows.append(i)
-        pivots.append(pivot_column)
-    return Echelon(tuple(rows), tuple(pivots), tuple(redundant))
+    order = columns if columns is not None else range(len(matrix[0]) if matrix else 0)
+    return sparse_echelon(sparse_rows(matrix), order)
+
+
+def sparse_echelon(rows: Sequence[Sparse], columns: Sequence[int]) -> Echelon:
+    """The same of rows without their zeros."""
+    graph = next((entry.graph for row in rows for entry in row.values() if isinstance(entry, Expr)), None)
+    form = _Form(None if graph is None else graph.prime, {j: k for k, j in enumerate(columns)})
+    for i, row in enumerate(rows):
+        witnesses = {j: _witness(entry, graph) for j, entry in row.items()}
+        form.add(i, {j: witness for j, witness in witnesses.items() if witness})
+    return Echelon(tuple(form.rows), tuple(form.pivots), tuple(form.redundant))
+
+
+class _Form:
+    """The echelon form of sparse rows, which come one by one.
+
+    A kept row has a 1 at its pivot and nothing at the pivots of the rows kept before it.
+    """
+
+    def __init__(self, prime: int | None, position: dict[int, int]) -> None:
+        self.prime = prime
+        self.position = position
+        self.kept: list[dict[int, Any]] = []
+        self.row_of: dict[int, int] = {}  # pivot column -> place in `kept`
+        self.rows: list[int] = []
+        self.pivots: list[int] = []
+        self.redundant: list[int] = []
+
+    def add(self, i: int, row: dict[int, Any]) -> None:
+        """Reduce row i by the rows that are kept; keep what is left of it, if anything is."""
+        waiting = sorted(self.row_of[j] for j in row if j in self.row_of)
+        while waiting:
+            known = self.kept[k := heappop(waiting)]
+            factor = row.get(self.pivots[k])
+            if factor is None:  # entered twice
+                continue
+            for j, entry in known.items():
+                value = _reduced(row.get(j, 0) - factor * entry, self.prime)
+                if value:
+                    if j not in row and j in self.row_of:
+                        heappush(waiting, self.row_of[j])
+                    row[j] = value
+                else:
+                    row.pop(j, None)
+        pivot = min((j for j in row if j in self.position), key=self.position.__getitem__, default=None)
+        if pivot is None:
+            self.redundant.append(i)
+            return
+        inverse = _inverse(row[pivot], self.prime)
+        self.row_of[pivot] = len(self.kept)
+        self.kept.append({j: _reduced(entry * inverse, self.prime) for j, entry in row.items()})
+        self.rows.append(i)
+        self.pivots.append(pivot)
 
 
 def _witness(entry: Any, graph: Graph | None) -> Any:
     if isinstance(entry, Expr):
         return entry.graph.value(entry.ref)
     if not exact_rational(entry):
-        return None
+        raise InputError(f"an echelon form needs exact numbers or expressions of a graph, not {entry!r}")
     return Fraction(entry) if graph is None else graph.residue(Exact.of(entry))
 
 

@@ -8,10 +8,9 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
-from nullbody.errors import InputError
 from nullbody.expr import Expr
 
-__all__ = ["exact_rational", "is_constant", "is_zero", "reciprocal", "tidy"]
+__all__ = ["exact_rational", "is_constant", "is_unit", "is_zero", "magnitude", "reciprocal"]
 
 
 def is_zero(scalar: Any) -> bool:
@@ -36,33 +35,16 @@ def is_constant(scalar: Any) -> bool:
     return exact_rational(scalar) or bool(getattr(scalar, "is_Rational", False))
 
 
+def is_unit(scalar: Any) -> bool:
+    """Whether a product with this scalar costs nothing: 1 or -1."""
+    return bool(scalar == 1 or scalar == -1)
+
+
+def magnitude(scalar: Any) -> float:
+    """The absolute value of a number, as a float."""
+    return float(abs(scalar))
+
+
 def reciprocal(scalar: Any) -> Any:
     """1 / scalar, exact for integers."""
     return Fraction(1, scalar) if isinstance(scalar, int) else 1 / scalar
-
-
-def tidy(scalar: Any) -> Any:
-    """A scalar that the method can work with: integers become Fractions, NumPy numbers Python's.
-
-    Raises:
-        InputError: not a number (NaN or infinite), or of no known kind.
-    """
-    if isinstance(scalar, bool | str):
-        raise InputError(f"a matrix entry must be a number or an expression, not {scalar!r}")
-    if isinstance(scalar, Expr | Fraction):
-        return scalar
-    if isinstance(scalar, int):
-        return Fraction(scalar)
-    if hasattr(scalar, "free_symbols"):  # SymPy
-        if scalar.is_number and not scalar.is_finite:
-            raise InputError(f"a matrix entry must be finite, not {scalar}")
-        return scalar
-    if hasattr(scalar, "item"):  # NumPy
-        scalar = scalar.item()
-        if isinstance(scalar, int):
-            return Fraction(scalar)
-    if isinstance(scalar, float):
-        if scalar != scalar or scalar in (float("inf"), float("-inf")):
-            raise InputError(f"a matrix entry must be finite, not {scalar}")
-        return scalar
-    raise InputError(f"a matrix entry must be a number or an expression, not {scalar!r}")

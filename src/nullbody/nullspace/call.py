@@ -1,0 +1,161 @@
+"""One call for every matrix: read it, choose rows and columns, factor, return the basis."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, get_args
+
+from nullbody.errors import InputError, SingularityError, UnknownName
+from nullbody.expr import Expr
+from nullbody.nullspace.elimination import eliminate
+from nullbody.nullspace.given import Given, read
+from nullbody.nullspace.minors import LARGEST
+from nullbody.nullspace.plan import DEFAULT, SMALL_BLOCK, Plan
+from nullbody.nullspace.rank import Echelon, sparse_echelon
+from nullbody.nullspace.result import Form
+from nullbody.nullspace.scalar import is_zero
+from nullbody.nullspace.search import cheapest_plan
+from nullbody.nullspace.steps import Sparse
+from nullbody.nullspace.symbolic import SymbolicNullSpace
+
+__all__ = ["METHODS", "null_space"]
+
+#: The methods for exact numbers and expressions: the largest block that each expands by minors.
+METHODS = {"auto": SMALL_BLOCK, "minors": LARGEST, "elimination": 0}
+
+
+def null_space(
+    A: Any,
+    independent: Sequence[int] | None = None,
+    form: Form = "reduced",
+    method: str = "auto",
+    *,
+    prefer: Sequence[int] | None = None,
+    search: int = 0,
+    tolerance: float | None = None,
+) -> Any:
+    """The null space of A: a basis N, n x d, with A N = 0.
+
+    Args:
+        A: m x n. Exact result: rows of int and Fraction, SymPy matrices, expressions of a graph, `Exact` numbers.
+            Rounded result: NumPy arrays (a stack k x m x n gives a `NullSpaceStack`), rows with floats or complex
+            numbers, SciPy sparse matrices. Rows that repeat others are found and left out.
+        independent: the d = n - rank columns that stay free. By default `prefer` decides; without it the last
+            columns that make |B| non-zero, for arrays those that complete pivoting leaves.
+        form: "reduced" [-B^-1 C; I], "scaled" |B| times that, "orthogonal", "orthonormal".
+        method: "auto"; for exact numbers and expressions "minors" (determinants alone, one reciprocal for each
+            irreducible block; blocks up to 14) and "elimination" (fewest operations, but its pivots may vanish
+            where |B| does not), "auto" takes minors in blocks up to 6;
+            for arrays "complete", "lu", "qr", "svd", "minors", "compiled" (`nullbody.nullspace.numeric`).
+        prefer: columns in the order in which they should become independent, as far as they can.
+        search: how many other ways of writing an expression's basis to try for fewer operations; each takes as
+            long as the first. The same number gives the same result.
+        tolerance: for arrays and sparse matrices, the relative size below which a pivot counts as zero.
+
+    Returns:
+        `NullSpace`: basis, delta, independent, dependent, rows, redundant, repeats, condition, ...
+
+    Raises:
+        InputError: ragged A, entries that are no finite numbers, wrong columns, or only 0 in the null space.
+        SingularityError: the chosen columns leave |B| = 0; the message names columns that would do.
+    """
+    if form not in get_args(Form):
+        raise UnknownName("form", form, get_args(Form), place="null_space")
+    given = read(A)
+    if given.kind == "array":
+        from nullbody.nullspace.numeric import array_null_space
+
+        return array_null_space(given.matrix, independent, form, method, prefer=prefer, tolerance=tolerance)
+    if given.kind == "sparse":
+        from nullbody.nullspace.sparse import sparse_null_space
+
+        return sparse_null_space(given.matrix, independent, form, method, prefer=prefer, tolerance=tolerance)
+    if method not in METHODS:
+        raise UnknownName("method", method, METHODS, place="null_space of exact numbers or expressions")
+    if type(search) is not int or search < 0:
+        raise InputError(f"search must be a number of trials, 0 or more, not {search!r}")
+    plan = Plan(largest=METHODS[method])
+    space = symbolic_null_space(given, independent, form, plan, prefer=prefer, search=search)
+    if not space.independent:
+        raise InputError(
+            f"A has full column rank {given.columns}: there is nothing but 0 in its null space, no columns would do"
+        )
+    return space
+
+
+def symbolic_null_space(
+    given: Given,
+    independent: Sequence[int] | None = None,
+    form: Form = "reduced",
+    plan: Plan = DEFAULT,
+    *,
+    prefer: Sequence[int] | None = None,
+    search: int = 0,
+) -> SymbolicNullSpace:
+    """The null space of exact numbers or expressions by a plan; other arguments as `null_space`.
+
+    A matrix of full column rank gives a basis without columns here: a mechanism may have no freedom.
+    """
+    rows, n = given.matrix, given.columns
+    found = _echelon(rows, n, prefer)
+    chosen = _chosen(independent, n, found)
+    dependent = tuple(j for j in range(n) if j not in set(chosen))
+    used = [rows[i] for i in found.rows]
+    if search and any(isinstance(entry, Expr) for row in used for entry in row.values()):
+        plan = cheapest_plan(used, chosen, dependent, form, plan, search)
+    factors = eliminate(used, dependent, plan)
+    if is_zero(factors.delta):
+        raise SingularityError(_singular_message(rows, chosen, n))
+    name = "elimination" if factors.eliminated else "minors"
+    return SymbolicNullSpace(
+        form,
+        name,
+        chosen,
+        dependent,
+        found.rows,
+        found.redundant,
+        factors,
+        tuple(rows[i] for i in found.redundant),
+        given,
+    )
+
+
+def _echelon(rows: Sequence[Sparse], n: int, prefer: Sequence[int] | None) -> Echelon:
+    """Rows that are independent; columns that may be dependent, the preferred ones last."""
+    order: Sequence[int] = range(n)
+    if prefer is not None:
+        wanted = _columns(prefer, n, "preferred")
+        order = [j for j in range(n) if j not in wanted] + list(reversed(wanted))
+    return sparse_echelon(rows, order)
+
+
+def _chosen(independent: Sequence[int] | None, n: int, found: Echelon) -> tuple[int, ...]:
+    if independent is None:
+        return tuple(j for j in range(n) if j not in set(found.columns))
+    chosen = _columns(independent, n, "independent")
+    if len(chosen) != n - found.rank:
+        raise InputError(
+            f"A has {n} columns and rank {found.rank}: choose {n - found.rank} independent columns, not {len(chosen)}"
+        )
+    return chosen
+
+
+def _columns(columns: Sequence[int], n: int, kind: str) -> tuple[int, ...]:
+    """Column numbers that were checked."""
+    try:
+        chosen = tuple(columns)
+    except TypeError:
+        raise InputError(f"{kind} columns must be a list of column numbers, not {columns!r}") from None
+    whole = all(hasattr(j, "__index__") and not isinstance(j, bool) for j in chosen)
+    if not whole or len(set(chosen)) != len(chosen) or any(j not in range(n) for j in chosen):
+        raise InputError(f"{kind} columns must be distinct and in 0..{n - 1}, not {list(chosen)}")
+    return tuple(int(j) for j in chosen)
+
+
+def _singular_message(rows: Sequence[Sparse], chosen: Sequence[int], n: int) -> str:
+    found = sparse_echelon(rows, [j for j in range(n) if j not in chosen] + list(reversed(chosen)))
+    would_do = [j for j in range(n) if j not in found.columns]
+    return (
+        f"columns {list(chosen)} cannot be the independent ones: the determinant of the others is identically zero; "
+        f"columns {would_do} would do"
+    )

@@ -1,0 +1,168 @@
+"""Elimination by pivots: constants that can be divided by everywhere, and, where a block is large, expressions.
+
+A pivot's row is set aside for back substitution, its column is cleared from the other rows. The pivot that makes the
+fewest new operations goes first (Markowitz 1957).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from nullbody.expr import Expr
+from nullbody.expr.matrix import dot, total
+from nullbody.nullspace.scalar import is_constant, is_unit, magnitude, reciprocal
+from nullbody.nullspace.steps import Shear, Sparse
+
+__all__ = ["Pivot", "eliminated"]
+
+
+@dataclass(frozen=True)
+class Pivot:
+    """A pivot of B: a stage of the solution with one unknown.
+
+    Attributes:
+        rows, columns: where it stands.
+        value: the pivot.
+        doubt: (length of what it was chosen from / pivot)^2; 0 for a constant, which cannot be doubted.
+    """
+
+    rows: tuple[int]
+    columns: tuple[int]
+    value: Any
+    doubt: Any
+
+    @cached_property
+    def inverse(self) -> Any:
+        """1 / pivot"""
+        return reciprocal(self.value)
+
+    def solved(self, y: Sparse) -> Sparse:
+        """The unknown, by column."""
+        return {self.columns[0]: y[self.rows[0]] * self.inverse}
+
+    @property
+    def plain(self) -> bool:
+        """Whether dividing by it costs and risks nothing."""
+        return is_constant(self.value)
+
+    def scaled(self, y: Sparse) -> Sparse:
+        """The unknown times the pivot, by column."""
+        return {self.columns[0]: y[self.rows[0]]}
+
+    def scaled_transposed(self, y: Sparse) -> Sparse:
+        """The same of the transposed system, by row."""
+        return {self.rows[0]: y[self.columns[0]]} if y else {}
+
+
+def eliminated(
+    rows: list[Sparse],
+    active: Iterable[int],
+    columns: Iterable[int],
+    tie: Callable[[], float],
+    *,
+    constants: bool,
+) -> tuple[list[Pivot], list[Shear]]:
+    """Eliminate in some rows and columns as long as there are pivots; `rows` is changed.
+
+    Args:
+        rows: the rows of B, by column.
+        active: the rows to work on.
+        columns: the columns in which pivots are looked for.
+        tie: decides between pivots of equal cost: the smaller number wins.
+        constants: whether only constants may be pivots.
+    """
+    work = _Work(rows, set(active), set(columns), tie, constants)
+    pivots: list[Pivot] = []
+    steps: list[Shear] = []
+    while (place := work.cheapest()) is not None:
+        pivot, made = work.clear(*place)
+        pivots.append(pivot)
+        steps += made
+    return pivots, steps
+
+
+class _Work:
+    """The rows that are left, and where their columns have entries."""
+
+    def __init__(
+        self, rows: list[Sparse], active: set[int], columns: set[int], tie: Callable[[], float], constants: bool
+    ) -> None:
+        self.rows = rows
+        self.active = active
+        self.tie = tie
+        self.constants = constants
+        self.places: dict[int, set[int]] = {j: set() for j in sorted(columns)}
+        for i in sorted(active):
+            for j in rows[i]:
+                if j in self.places:
+                    self.places[j].add(i)
+
+    def cheapest(self) -> tuple[int, int] | None:
+        """(row, column) of the pivot that makes the fewest operations, or None."""
+        best: tuple[float, float, int, int] | None = None
+        for j in sorted(self.places, key=lambda j: len(self.places[j])):
+            members = self.places[j]
+            if best is not None and (best[0] <= 0 or best[0] < len(members) - 1):  # longer columns seldom cost less
+                break
+            for i in members:
+                if self.constants and not is_constant(self.rows[i][j]):
+                    continue
+                cost = self._cost(i, j)
+                if best is None or cost <= best[0]:
+                    candidate = (cost, self.tie(), j, i)
+                    best = candidate if best is None else min(best, candidate)
+        return None if best is None else (best[3], best[2])
+
+    def clear(self, i: int, j: int) -> tuple[Pivot, list[Shear]]:
+        """Clear column j from the other rows with row i, which leaves the work."""
+        value = self.rows[i][j]
+        members = self.places.pop(j)
+        doubt: Any = 0
+        if not is_constant(value):
+            entries = [self.rows[k][j] for k in sorted(members)]
+            inverse = reciprocal(value)
+            doubt = dot(entries, entries) * (inverse * inverse)
+        steps = []
+        for k in sorted(members - {i}):
+            factor = self.rows[k].pop(j) * reciprocal(value)
+            steps.append(Shear(k, i, factor))
+            self._subtract(k, i, j, factor)
+        self.active.remove(i)
+        for c in self.rows[i]:
+            if c in self.places:
+                self.places[c].discard(i)
+        return Pivot((i,), (j,), value, doubt), steps
+
+    def _subtract(self, k: int, i: int, pivot: int, factor: Any) -> None:
+        row = self.rows[k]
+        for c, entry in self.rows[i].items():
+            if c == pivot:
+                continue
+            value = total((row.get(c, 0), -(factor * entry)))
+            if value == 0:
+                row.pop(c, None)
+            else:
+                row[c] = value
+            if c in self.places:
+                (self.places[c].discard if value == 0 else self.places[c].add)(k)
+
+    def _cost(self, i: int, j: int) -> float:
+        """Operations of this pivot; of plain numbers, the most entries that can fill in, then the smaller pivot."""
+        row, members = self.rows[i], self.places[j]
+        pivot = row[j]
+        if not isinstance(pivot, Expr):
+            filled = (len(members) - 1) * (len(row) - 1)
+            return filled if is_constant(pivot) else filled + 1 / (1 + magnitude(pivot))
+        cost = 0.0 if is_constant(pivot) else 1.0
+        for k in members:
+            if k == i:
+                continue
+            plain = is_unit(self.rows[k][j]) and is_unit(pivot)
+            cost += 0.1 if plain else 0.2 if is_constant(pivot) else 1.0
+            for c, entry in row.items():
+                if c != j:
+                    cost += (c in self.rows[k]) + (0.0 if plain or is_unit(entry) else 1.0)
+        return cost

@@ -1,0 +1,226 @@
+"""The null space of exact numbers and expressions: determinants, no rounding, one division at the very end.
+
+    N = [-B^-1 C; I]            N_ij = -|B(i <- C_j)| / |B|                     [11]
+    N~ = |B| N = [-adj(B) C; |B| I]                no division at all           [12, 13]
+
+in the order of A's columns. Source: bracketed numbers are equations of the 2020 paper on the 3-PRS robot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from nullbody.errors import InputError
+from nullbody.expr import Expr, Graph, Operations, operations
+from nullbody.nullspace.elimination import Elimination
+from nullbody.nullspace.given import Given
+from nullbody.nullspace.result import Form, NullSpace
+from nullbody.nullspace.scalar import is_zero
+from nullbody.nullspace.steps import Sparse, dense_rows
+from nullbody.tolerances import EPS
+
+if TYPE_CHECKING:
+    from nullbody.nullspace.function import NullSpaceFunction
+
+__all__ = ["Rows", "SymbolicNullSpace"]
+
+Rows = tuple[tuple[Any, ...], ...]
+
+
+@dataclass(frozen=True, repr=False)
+class SymbolicNullSpace(NullSpace):
+    """A null space with its factors; every form of the basis is made when it is asked for."""
+
+    form: Form
+    method: str
+    independent: tuple[int, ...]
+    dependent: tuple[int, ...]
+    rows: tuple[int, ...]
+    redundant: tuple[int, ...]
+    _factors: Elimination
+    _repeating: tuple[Sparse, ...]
+    _given: Given
+
+    @property
+    def delta(self) -> Any:
+        """|B|"""
+        return self._given.outward(self._factors.delta)
+
+    def in_form(self, form: Form) -> Any:
+        """The basis in one of `FORMS`, n x d, in the scalars that A had."""
+        if form not in self._shown:
+            rows = tuple(tuple(self._given.outward(entry) for entry in row) for row in self.inward(form))
+            self._shown[form] = self._given.frame(rows)
+        return self._shown[form]
+
+    def inward(self, form: Form) -> Rows:
+        """The basis in the scalars in which it was made, whatever A was made of."""
+        if form not in self._made:
+            self._made[form] = self._of_form(form)
+        return self._made[form]
+
+    def _of_form(self, form: Form) -> Rows:
+        if form == "reduced":
+            return self._assembled([self._factors.solve_column(j) for j in self.independent], 1)
+        if form == "scaled":
+            columns = [self._factors.solve_column_scaled(j) for j in self.independent]
+            return self._assembled(columns, self._factors.delta)
+        from nullbody.nullspace.gram import orthogonal, orthonormal
+
+        return (orthogonal if form == "orthogonal" else orthonormal)(self.inward("reduced"))
+
+    @cached_property
+    def _made(self) -> dict[str, Rows]:
+        return {}
+
+    @cached_property
+    def _shown(self) -> dict[str, Any]:
+        return {}
+
+    @property
+    def simplified(self) -> Rows:
+        """The rows that were used after constant row operations: the same null space, fewer operations."""
+        return dense_rows(self._factors.simplified, self.shape[0])
+
+    def offset(self, c: Sequence[Any], *, of_simplified: bool = False) -> tuple[Any, ...]:
+        """gamma with A gamma + c = 0 and zeros in the independent places: gamma = [-B^-1 c; 0].
+
+        Args:
+            c: one entry for each row of A, or of `simplified`.
+            of_simplified: whether c belongs to the rows of `simplified`, where it is often cheaper.
+        """
+        found = self._factors.solve(self._right(c, of_simplified), of_simplified=of_simplified)
+        return tuple(self._given.outward(entry) for entry in self._placed(found))
+
+    def offset_scaled(self, c: Sequence[Any], *, of_simplified: bool = False) -> tuple[Any, ...]:
+        """gamma~ = |B| gamma = [-adj(B) c; 0], free of divisions."""
+        return self._placed(self._factors.solve_scaled(self._right(c, of_simplified), of_simplified=of_simplified))
+
+    def _right(self, c: Sequence[Any], of_simplified: bool) -> list[Any]:
+        if of_simplified:
+            return list(c)
+        m = len(self.rows) + len(self.redundant)
+        if len(c) != m:
+            raise InputError(f"c has {len(c)} entries, A has {m} rows: give one for each")
+        given = [self._given.inward(entry) for entry in c]
+        for i in self.redundant if self._given.kind == "numbers" else ():
+            expected = sum(factor * given[k] for k, factor in self._combinations[i].items())
+            if given[i] != expected:
+                raise InputError(
+                    f"row {i} of A repeats others, its entry of c does not: {given[i]} is not {expected}; "
+                    "A gamma + c = 0 has no solution"
+                )
+        return [given[i] for i in self.rows]
+
+    def multipliers(self, force: Sequence[Any]) -> tuple[Any, ...]:
+        """lambda with A^T lambda = force in the dependent places: lambda = B^-T force_B; 0 for redundant rows."""
+        if len(force) != self.shape[0]:
+            raise InputError(f"the force has {len(force)} entries, A has {self.shape[0]} columns: give one for each")
+        found = self._factors.solve_transposed([self._given.inward(force[j]) for j in self.dependent])
+        values = dict(zip(self.rows, found, strict=True))
+        return tuple(values.get(i, 0) for i in range(len(self.rows) + len(self.redundant)))
+
+    @property
+    def repeats(self) -> Mapping[int, Mapping[int, Any]]:
+        """How redundant rows repeat others: A[i] = sum_k repeats[i][k] A[k]."""
+        return {
+            i: {k: self._given.outward(factor) for k, factor in factors.items()}
+            for i, factors in self._combinations.items()
+        }
+
+    @cached_property
+    def _combinations(self) -> dict[int, dict[int, Any]]:
+        found = {}
+        for i, row in zip(self.redundant, self._repeating, strict=True):
+            factors = self._factors.solve_transposed([row.get(j, 0) for j in self.dependent])
+            found[i] = {k: factor for k, factor in zip(self.rows, factors, strict=True) if not is_zero(factor)}
+        return found
+
+    @property
+    def doubt(self) -> Any:
+        """How near delta is to rounding, see `Elimination.doubt`; 0 without irreducible blocks."""
+        return self._factors.doubt
+
+    @property
+    def operations(self) -> Operations | None:
+        """Operation counts of the basis; None for numbers, which are evaluated already."""
+        return self.operations_of(self.form) if isinstance(self._factors.delta, Expr) else None
+
+    def operations_of(self, form: Form) -> Operations:
+        """Operation counts of the basis in another form."""
+        return operations([entry for row in self.inward(form) for entry in row if isinstance(entry, Expr)])
+
+    @cached_property
+    def condition(self) -> float:
+        """The largest singular value of N; of expressions at one generic point, `condition_at` takes yours."""
+        return self.condition_at({})
+
+    def condition_at(self, values: Mapping[str, float]) -> float:
+        """The largest singular value of N at a point.
+
+        Args:
+            values: numbers for the symbols of the graph; those that are left out get generic ones in 0.5..1.5.
+
+        Raises:
+            UnknownName: A has no such symbol.
+        """
+        from nullbody.nullspace.sample import largest_singular_value
+
+        return largest_singular_value(self.inward("reduced"), values)
+
+    @property
+    def subspace_error(self) -> float:
+        """About eps * condition where the basis is evaluated in doubles; 0 for exact numbers."""
+        return EPS * self.condition if isinstance(self._factors.delta, Expr) else 0.0
+
+    def to_sympy(self) -> Any:
+        """The basis as an immutable SymPy matrix."""
+        from nullbody.expr.bridge import SymPyBridge
+        from nullbody.nullspace.given import sympy_matrix
+
+        rows = self.inward(self.form)
+        if self._given.bridge is None:
+            graph = next((entry.graph for row in rows for entry in row if isinstance(entry, Expr)), Graph())
+            bridge = SymPyBridge(graph)
+        else:
+            bridge = self._given.bridge
+        return sympy_matrix([[bridge.write(entry) for entry in row] for row in rows])
+
+    def latex(self) -> str:
+        """The basis in LaTeX; sub-expressions that are used more than once are named and listed below it."""
+        from nullbody.expr.display import latex_equation
+
+        names = None if self._given.bridge is None else self._given.bridge.latex_names()
+        return latex_equation("", self.inward(self.form), names, below=True)
+
+    def to_function(self) -> NullSpaceFunction:
+        """The basis as native code: a function of the symbols, for one point or a batch of them."""
+        from nullbody.nullspace.function import function_of
+
+        return function_of(self)
+
+    def _assembled(self, columns: list[list[Any]], unit: Any) -> Rows:
+        n = len(self.dependent) + len(self.independent)
+        rows: list[tuple[Any, ...]] = [()] * n
+        for i, place in enumerate(self.dependent):
+            rows[place] = tuple(-column[i] for column in columns)
+        for k, place in enumerate(self.independent):
+            rows[place] = tuple(unit if k == j else 0 for j in range(len(self.independent)))
+        return tuple(rows)
+
+    def _placed(self, solution: list[Any]) -> tuple[Any, ...]:
+        values = dict(zip(self.dependent, solution, strict=True))
+        return tuple(-values[j] if j in values else 0 for j in range(len(self.dependent) + len(self.independent)))
+
+    @property
+    def _figure(self) -> str:
+        count = self.operations
+        return f"{count} operations" if count is not None else f"delta = {_short(self.delta)}"
+
+
+def _short(scalar: Any) -> str:
+    text = str(scalar)
+    return text if len(text) <= 24 else f"{text[:10]}... ({len(text)} digits)"
