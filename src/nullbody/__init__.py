@@ -30,7 +30,7 @@ from nullbody.errors import (
 )
 
 if TYPE_CHECKING:  # the same names once more, for type checkers and editors
-    from nullbody import catalog, control, export, report, verify
+    from nullbody import catalog, control, export, nullspace, report, verify
     from nullbody.equations import Equations, derive
     from nullbody.expr import Graph
     from nullbody.kinematics import assemble, branches, inverse_kinematics, singularity
@@ -70,6 +70,7 @@ __all__ = [
     "export",
     "inverse_kinematics",
     "null_space",
+    "nullspace",
     "report",
     "simulate",
     "singularity",
@@ -78,7 +79,7 @@ __all__ = [
 
 __version__ = "0.1.0"
 
-_PACKAGES = {"catalog", "control", "export", "report", "verify"}
+_PACKAGES = {"catalog", "control", "export", "nullspace", "report", "verify"}
 _HOME = {
     "Equations": "equations",
     "Graph": "expr",

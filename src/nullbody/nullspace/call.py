@@ -8,7 +8,7 @@ from typing import Any, get_args
 from nullbody.errors import InputError, SingularityError, UnknownName
 from nullbody.expr import Expr
 from nullbody.nullspace.elimination import eliminate
-from nullbody.nullspace.given import Given, read
+from nullbody.nullspace.given import Given, checked_columns, read
 from nullbody.nullspace.minors import LARGEST
 from nullbody.nullspace.plan import DEFAULT, SMALL_BLOCK, Plan
 from nullbody.nullspace.rank import Echelon, sparse_echelon
@@ -124,7 +124,7 @@ def _echelon(rows: Sequence[Sparse], n: int, prefer: Sequence[int] | None) -> Ec
     """Rows that are independent; columns that may be dependent, the preferred ones last."""
     order: Sequence[int] = range(n)
     if prefer is not None:
-        wanted = _columns(prefer, n, "preferred")
+        wanted = checked_columns(prefer, n, "preferred")
         order = [j for j in range(n) if j not in wanted] + list(reversed(wanted))
     return sparse_echelon(rows, order)
 
@@ -132,24 +132,12 @@ def _echelon(rows: Sequence[Sparse], n: int, prefer: Sequence[int] | None) -> Ec
 def _chosen(independent: Sequence[int] | None, n: int, found: Echelon) -> tuple[int, ...]:
     if independent is None:
         return tuple(j for j in range(n) if j not in set(found.columns))
-    chosen = _columns(independent, n, "independent")
+    chosen = checked_columns(independent, n, "independent")
     if len(chosen) != n - found.rank:
         raise InputError(
             f"A has {n} columns and rank {found.rank}: choose {n - found.rank} independent columns, not {len(chosen)}"
         )
     return chosen
-
-
-def _columns(columns: Sequence[int], n: int, kind: str) -> tuple[int, ...]:
-    """Column numbers that were checked."""
-    try:
-        chosen = tuple(columns)
-    except TypeError:
-        raise InputError(f"{kind} columns must be a list of column numbers, not {columns!r}") from None
-    whole = all(hasattr(j, "__index__") and not isinstance(j, bool) for j in chosen)
-    if not whole or len(set(chosen)) != len(chosen) or any(j not in range(n) for j in chosen):
-        raise InputError(f"{kind} columns must be distinct and in 0..{n - 1}, not {list(chosen)}")
-    return tuple(int(j) for j in chosen)
 
 
 def _singular_message(rows: Sequence[Sparse], chosen: Sequence[int], n: int) -> str:

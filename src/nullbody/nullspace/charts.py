@@ -22,14 +22,14 @@ from nullbody.expr.transplant import transplant
 from nullbody.nullspace.atlas import Atlas, Chart
 from nullbody.nullspace.call import METHODS
 from nullbody.nullspace.elimination import eliminate
-from nullbody.nullspace.given import read
+from nullbody.nullspace.given import checked_columns, read
 from nullbody.nullspace.numeric.call import array_null_space
 from nullbody.nullspace.numeric.equilibrate import Array, Matrices
 from nullbody.nullspace.plan import Plan
 from nullbody.nullspace.residue import determinant, null_basis
 from nullbody.nullspace.sample import double, sampled
 from nullbody.nullspace.steps import sparse_rows
-from nullbody.nullspace.switch import checked_columns, conditions, orthonormal
+from nullbody.nullspace.switch import conditions, orthonormal
 from nullbody.typing import FloatArray
 
 __all__ = ["charts"]

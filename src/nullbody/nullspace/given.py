@@ -21,7 +21,7 @@ from nullbody.nullspace.steps import Sparse, dense_rows, sparse_rows
 if TYPE_CHECKING:
     from nullbody.expr.bridge import SymPyBridge
 
-__all__ = ["Given", "Kind", "read", "sympy_matrix"]
+__all__ = ["Given", "Kind", "checked_columns", "read", "sympy_matrix"]
 
 Kind = Literal["numbers", "expressions", "array", "sparse"]
 
@@ -83,6 +83,22 @@ def read(A: Any) -> Given:
     if not rows or any(len(row) != len(rows[0]) for row in rows):
         raise InputError("A must be a non-empty list of rows of equal length; write no rows as numpy.zeros((0, n))")
     return _scalars(rows, len(rows[0]), tuple)
+
+
+def checked_columns(columns: Sequence[int], n: int, kind: str) -> tuple[int, ...]:
+    """Column numbers of a matrix with n columns.
+
+    Raises:
+        InputError: they are no list, or not distinct, or not in 0..n-1.
+    """
+    try:
+        chosen = tuple(columns)
+    except TypeError:
+        raise InputError(f"{kind} columns must be a list of column numbers, not {columns!r}") from None
+    whole = all(hasattr(j, "__index__") and not isinstance(j, bool) for j in chosen)
+    if not whole or len(set(chosen)) != len(chosen) or any(j not in range(n) for j in chosen):
+        raise InputError(f"{kind} columns must be distinct and in 0..{n - 1}, not {list(chosen)}")
+    return tuple(int(j) for j in chosen)
 
 
 def _scalars(rows: list[list[Any]], columns: int, frame: Callable[[Any], Any]) -> Given:

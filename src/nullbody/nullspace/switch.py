@@ -16,12 +16,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from nullbody.errors import InputError, SingularityError
+from nullbody.nullspace.given import checked_columns
 from nullbody.nullspace.numeric.equilibrate import Array, Matrices
 from nullbody.nullspace.numeric.rank import relative_tolerance
 from nullbody.tolerances import EPS
 from nullbody.typing import FloatArray, IndexArray
 
-__all__ = ["better_chart", "checked_columns", "conditions", "orthonormal"]
+__all__ = ["better_chart", "conditions", "orthonormal"]
 
 _TIE = 1e-9  # relative: lengths that differ by less are equal, and the first of them is taken
 _REPEATED = 1e-6  # relative: a singular value above belongs to a row that does not repeat others
@@ -79,22 +80,6 @@ def conditions(Z: Array, choices: IndexArray) -> FloatArray:
     smallest = np.linalg.svd(Z[choices], compute_uv=False)[:, -1].astype(float)
     with np.errstate(divide="ignore"):
         return np.where(smallest > len(Z) * np.finfo(Z.dtype).eps, 1 / smallest, np.inf)
-
-
-def checked_columns(columns: Sequence[int], n: int, kind: str) -> tuple[int, ...]:
-    """Column numbers of a matrix with n columns.
-
-    Raises:
-        InputError: they are no list, or not distinct, or not in 0..n-1.
-    """
-    try:
-        chosen = tuple(columns)
-    except TypeError:
-        raise InputError(f"{kind} columns must be a list of column numbers, not {columns!r}") from None
-    whole = all(hasattr(j, "__index__") and not isinstance(j, bool) for j in chosen)
-    if not whole or len(set(chosen)) != len(chosen) or any(j not in range(n) for j in chosen):
-        raise InputError(f"{kind} columns must be distinct and in 0..{n - 1}, not {list(chosen)}")
-    return tuple(int(j) for j in chosen)
 
 
 def _longest_rows(Z: Array) -> tuple[int, ...]:

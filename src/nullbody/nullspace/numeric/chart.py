@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nullbody.errors import InputError, SingularityError
+from nullbody.nullspace.given import checked_columns
 from nullbody.nullspace.numeric.complete import eliminated
 from nullbody.nullspace.numeric.determinant import relative_determinants
 from nullbody.nullspace.numeric.equilibrate import Array, Matrices
@@ -50,8 +51,8 @@ class Request:
         n = matrices.shape[1]
         if independent is not None and prefer is not None:
             raise InputError("give the independent columns or a preference among columns, not both")
-        columns = None if independent is None else _columns(independent, n, "independent")
-        return cls(columns, _columns(prefer or (), n, "preferred"), relative_tolerance(matrices, tolerance))
+        columns = None if independent is None else checked_columns(independent, n, "independent")
+        return cls(columns, checked_columns(prefer or (), n, "preferred"), relative_tolerance(matrices, tolerance))
 
     def threshold(self, matrices: Matrices) -> FloatArray:
         """What counts as zero in each matrix, (k,)."""
@@ -178,16 +179,3 @@ def _rows(matrices: Matrices, given: IndexArray, dependent: IndexArray, request:
 
 def _wrong_number(n: int, rank: str, wanted: str, given: Sequence[int], name: str = "A") -> InputError:
     return InputError(f"{name} has {n} columns and rank {rank}: choose {wanted} independent columns, not {len(given)}")
-
-
-def _columns(columns: Sequence[int], n: int, kind: str) -> tuple[int, ...]:
-    """Distinct column numbers.
-
-    Raises:
-        InputError: they are not.
-    """
-    given = list(columns)
-    whole = all(hasattr(j, "__index__") and not isinstance(j, bool) and 0 <= j < n for j in given)
-    if not whole or len(set(given)) != len(given):
-        raise InputError(f"{kind} columns must be distinct and in 0..{n - 1}, not {given}")
-    return tuple(int(j) for j in given)
