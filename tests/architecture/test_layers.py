@@ -19,7 +19,7 @@ LAYERS = (
     ("model",),
     ("kinematics",),
     ("simulate",),
-    ("control", "analysis", "study", "verify"),
+    ("bench", "control", "analysis", "study", "verify"),
     ("report", "viewer", "export"),
     ("cli",),
     ("__main__",),  # `python -m nullbody`: one call of the command line

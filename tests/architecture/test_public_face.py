@@ -48,6 +48,6 @@ def test_simulate_is_the_function_whoever_imports_first(first: str) -> None:
     assert done.stdout.strip() == "True"
 
 
-@pytest.mark.parametrize("name", ["catalog", "control", "export", "report", "verify"])
+@pytest.mark.parametrize("name", ["catalog", "control", "export", "nullspace", "report", "verify"])
 def test_package_is_an_attribute(name: str) -> None:
     assert isinstance(getattr(nullbody, name), ModuleType)

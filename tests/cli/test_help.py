@@ -11,10 +11,12 @@ from pathlib import Path
 import pytest
 
 from nullbody import __version__, report
+from nullbody import bench as benchmark
 from tests.cli.help import NAMES, help_texts
 
 GOLDEN = help_texts()
 EXAMPLES = [line for text in GOLDEN.values() for line in re.findall(r"^ +nullbody ([a-z].*)$", text, re.MULTILINE)]
+NOTHING = benchmark.Settings(limit=0.0, repeats=1, patience=0.0, parts=("symbolic",), search=0)
 LIBRARIES = ("numpy", "rich", "xarray", "llvmlite", "jinja2")
 
 
@@ -37,12 +39,15 @@ def test_help_has_an_example_and_json(path: Path) -> None:
 def test_example_works(nullbody, monkeypatch: pytest.MonkeyPatch, example: str) -> None:
     if example.startswith("reproduce"):  # a minute; the report has its own tests
         monkeypatch.setattr(report, "reproduce", lambda out, **options: {"checks": {"agrees": 1}})
+    if example.startswith("bench"):  # likewise
+        measured = benchmark.bench_null_space
+        monkeypatch.setattr(benchmark, "bench_null_space", lambda settings, step: measured(NOTHING, step))
     if example.startswith("verify") and "multipliers" not in example and not find_spec("mujoco"):
         pytest.skip("needs the extra verify")
     ended = nullbody(example)
     assert ended.code == 0, ended.err
     assert ended.out
-    if "--json" in example:
+    if example.endswith(("--json", "--json -")):
         assert ended.json
 
 
