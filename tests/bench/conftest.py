@@ -16,6 +16,7 @@ SMALL = Settings(
     search=2,
     peers=("symengine_lu", "casadi_solve"),
     growing=("symengine_lu",),
+    scattered=("symengine_lu",),
 )
 
 

@@ -9,6 +9,7 @@ from typing import Annotated, cast
 import typer
 
 from nullbody import __version__
+from nullbody.cli.bench import bench
 from nullbody.cli.derive import derive
 from nullbody.cli.inverse import inverse
 from nullbody.cli.models import models
@@ -20,7 +21,7 @@ from nullbody.errors import NullbodyError, SimulationError
 
 __all__ = ["COMMANDS", "app", "main"]
 
-COMMANDS = (reproduce, derive, simulate, inverse, verify, models)
+COMMANDS = (reproduce, derive, simulate, inverse, verify, bench, models)
 _SETTINGS = {"max_content_width": 100, "help_option_names": ["-h", "--help"]}
 _UsageError = cast(type[Exception], typer.BadParameter.__mro__[1])  # typer has moved it from module to module
 

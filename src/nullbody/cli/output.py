@@ -8,15 +8,20 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-__all__ = ["complain", "note", "print_json", "print_table"]
+__all__ = ["complain", "json_text", "note", "print_json", "print_table"]
 
 _WIDE = 200  # columns of a file or a pipe, where nothing has to be folded
 ROUNDING = 1e-14  # [m, rad, N, ...] what is less than this in such a table is 0 but for rounding
 
 
 def print_json(value: object) -> None:
+    """A value as JSON on stdout."""
+    print(json_text(value))
+
+
+def json_text(value: object) -> str:
     """A value as JSON: tuples and arrays as lists, numbers with all their digits, NaN and infinities as null."""
-    print(json.dumps(_plain(value), indent=2, allow_nan=False, ensure_ascii=False))
+    return json.dumps(_plain(value), indent=2, allow_nan=False, ensure_ascii=False)
 
 
 def _plain(value: Any) -> Any:

@@ -4,28 +4,27 @@ from __future__ import annotations
 
 import os
 import platform
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from nullbody.bench.machine import machine, processor, versions
+from nullbody.bench.peer import Race
 from nullbody.report.agreement import agreement
 from nullbody.report.appendix import appendix
 from nullbody.report.case import Settings, paper_case
 from nullbody.report.equation import equation
 from nullbody.report.erratum import erratum
 from nullbody.report.motion import motion
-from nullbody.report.null_space import LIMITS, null_space
+from nullbody.report.null_space import heats, measured_null_spaces, null_space
 from nullbody.report.output import usable_folder, write_texts
 from nullbody.report.page import page
 from nullbody.report.progress import named_steps
-from nullbody.report.race import Race
 from nullbody.report.residual import residual
 from nullbody.report.robot import robot
 from nullbody.report.run import simulated_runs
 from nullbody.report.section import Section, Verdict
-from nullbody.report.speed import numeric_speed, symbolic_speed
 from nullbody.report.summary import summary_text
 from nullbody.report.tracking import tracking
 
@@ -69,8 +68,8 @@ def sections(settings: Settings, step: Callable[[str], None] = lambda name: None
     step("deriving and building")
     case = paper_case(settings)
     step("timing null spaces")
-    symbolic, numeric = symbolic_speed(case), numeric_speed(case)
-    race = Race({name: share * settings.symbolic_limit for name, share in LIMITS.items()}).start()
+    timed = measured_null_spaces(settings)
+    race = Race(heats(settings)).start()
     try:
         runs = simulated_runs(case, step)
         step("drawing the robot")
@@ -91,7 +90,7 @@ def sections(settings: Settings, step: Callable[[str], None] = lambda name: None
         race.stop()
         raise
     step("writing the page")
-    return [*first, null_space(case, symbolic, numeric, laps), moved, tracked, closed, wrong, compared]
+    return [*first, null_space(timed, laps), moved, tracked, closed, wrong, compared]
 
 
 def _verdicts(made: list[Section]) -> dict[str, int]:
@@ -101,49 +100,23 @@ def _verdicts(made: list[Section]) -> dict[str, int]:
 
 def _facts(seconds: float) -> dict[str, str]:
     """What the page says about the run."""
-    versions = ", ".join(f"{name} {version}" for name, version in _versions().items() if version)
-    machine = f"{_processor()}, {os.cpu_count()} logical cores, {platform.system()}"
+    found = ", ".join(f"{name} {version}" for name, version in versions(_PACKAGES).items() if version)
     return {
         "made": time.strftime("%Y-%m-%d %H:%M %Z"),
         "run time": f"{seconds:.1f} s",
-        "machine": machine,
-        "versions": f"nullbody {_own_version()}, Python {platform.python_version()}, {versions}",
+        "machine": machine(),
+        "versions": f"nullbody {_own_version()}, Python {platform.python_version()}, {found}",
     }
 
 
 def _machine_numbers() -> dict[str, Any]:
-    versions = {"nullbody": _own_version(), "python": platform.python_version(), **_versions()}
-    machine = {"processor": _processor(), "cores": os.cpu_count(), "system": platform.system()}
-    return {"versions": versions, "machine": machine}
+    return {
+        "versions": {"nullbody": _own_version(), "python": platform.python_version(), **versions(_PACKAGES)},
+        "machine": {"processor": processor(), "cores": os.cpu_count(), "system": platform.system()},
+    }
 
 
 def _own_version() -> str:
     from nullbody import __version__
 
     return __version__
-
-
-def _versions() -> dict[str, str | None]:
-    """Versions of the packages that matter here; nothing for those that are not installed."""
-    from importlib.metadata import PackageNotFoundError, version
-
-    found: dict[str, str | None] = {}
-    for name in _PACKAGES:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = None
-    return found
-
-
-def _processor() -> str:
-    """The processor's name, as far as the system tells it."""
-    if sys.platform == "linux":
-        try:
-            lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-        except OSError:
-            lines = []
-        for line in lines:
-            if line.startswith("model name"):
-                return line.split(":", 1)[1].strip()
-    return platform.processor() or platform.machine()
