@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
 
@@ -28,6 +28,7 @@ def greedy(Z: Any, order: list[int]) -> list[int]:
     return taken
 
 
+@settings(max_examples=40)
 @given(sparse_matrices(), st.randoms(use_true_random=False))
 def test_preferred_columns_come_first(A: Any, random: Any) -> None:
     Z = svd_basis(A)
@@ -36,9 +37,10 @@ def test_preferred_columns_come_first(A: Any, random: Any) -> None:
     order = random.sample(range(A.shape[1]), random.randint(0, A.shape[1]))
     space = sparse_null_space(A, prefer=order)
     assert set(greedy(Z, order)) <= set(space.independent)
-    assert subspace_angle(dense(space), Z) < max(1e-14, 10 * space.subspace_error)
+    assert subspace_angle(dense(space), Z) < max(1e-13, 10 * space.subspace_error)
 
 
+@settings(max_examples=40)
 @given(sparse_matrices(), st.randoms(use_true_random=False))
 def test_given_columns_are_taken_or_refused(A: Any, random: Any) -> None:
     Z = svd_basis(A)
@@ -50,7 +52,7 @@ def test_given_columns_are_taken_or_refused(A: Any, random: Any) -> None:
         space = sparse_null_space(A, chosen)
         assert space.independent == tuple(chosen)
         assert np.array_equal(dense(space)[chosen], np.eye(d))
-        assert subspace_angle(dense(space), Z) < max(1e-14, 10 * space.subspace_error)
+        assert subspace_angle(dense(space), Z) < max(1e-13, 10 * space.subspace_error)
         return
     with pytest.raises(SingularityError, match="cannot be the independent ones") as error:
         sparse_null_space(A, chosen)

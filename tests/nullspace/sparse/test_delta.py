@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from scipy import sparse
 
 from nullbody.errors import InputError
@@ -19,6 +19,7 @@ def square(A: Any, space: SparseNullSpace) -> Any:
     return A.toarray()[np.ix_(space.rows, space.dependent)]
 
 
+@settings(max_examples=30)
 @given(sparse_matrices())
 def test_determinant_of_the_dependent_part(A: Any) -> None:
     if not svd_basis(A).shape[1]:

@@ -67,6 +67,16 @@ def test_dense_end_shows_the_rank(shape: tuple[int, int], rank: int) -> None:
     assert rank == 0 or np.linalg.cond(A[np.ix_(rows, columns)]) < 1e5
 
 
+@pytest.mark.parametrize("wide", [False, True])
+def test_dense_end_does_not_magnify_rounding(wide: bool) -> None:
+    """Of a, a + 1e-6 z and z the first and the last make a good part; seen from the first two, z would be new."""
+    a, z = np.random.default_rng(0).uniform(0.5, 1, (2, 40))
+    A = np.stack([a, a + 1e-6 * z, z], axis=1)
+    A = A.T if wide else A
+    rows, columns, complete = dense_pivots(A, np.ones(A.shape[0]), np.ones(A.shape[1], bool), 1e-12)
+    assert complete and sorted(rows if wide else columns) in ([0, 2], [1, 2])
+
+
 def test_dense_end_says_where_allowed_columns_are_too_few() -> None:
     A = np.random.default_rng(0).standard_normal((5, 8))
     allowed = np.arange(8) < 3

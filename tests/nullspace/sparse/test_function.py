@@ -9,9 +9,12 @@ import pytest
 from scipy import sparse
 
 from nullbody.errors import InputError, SingularityError
+from nullbody.expr import Tape
 from nullbody.nullspace.numeric.angle import subspace_angle
 from nullbody.nullspace.sparse import sparse_null_space
+from nullbody.nullspace.sparse.factor import Core, Factors
 from nullbody.nullspace.sparse.function import SparseFunction
+from nullbody.nullspace.sparse.replay import replayed
 from tests.nullspace.sparse.matrices import chain, random_sparse, regular_rows, svd_basis
 
 
@@ -37,6 +40,15 @@ def test_small_ones_are_compiled() -> None:
     function = sparse_null_space(chain(3)).to_function()
     assert isinstance(function, SparseFunction) and function.compiled
     assert repr(function) == "<SparseFunction (24 x 27, 88 entries) -> reduced basis, compiled>"
+
+
+def test_replay_follows_the_exchanges_of_the_dense_end() -> None:
+    part = np.array([[0.0, 1.0, 2.0], [3.0, 0.0, 4.0]])
+    factors = Factors.of((2, 3), (), Core.of(part, np.arange(2), np.arange(2), np.array([2])))
+    names, entries = replayed(np.array([1, 2, 3, 5]), factors, 100) or ([], [])
+    values = Tape.of([entry for _, _, entry in entries], names).run([1.0, 2.0, 3.0, 4.0])
+    assert {(i, k): value for (i, k, _), value in zip(entries, values, strict=True)} == {(0, 0): -4 / 3, (1, 0): -2.0}
+    assert replayed(np.array([1, 2, 3, 5]), factors, 1) is None
 
 
 @pytest.mark.parametrize("A", [random_sparse(120, 150, 5), chain(2) * 1j])

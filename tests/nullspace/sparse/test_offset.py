@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from scipy import sparse
 
 from nullbody.errors import InputError
@@ -14,6 +14,7 @@ from nullbody.nullspace.sparse import sparse_null_space
 from tests.nullspace.sparse.matrices import chain, sparse_matrices, svd_basis
 
 
+@settings(max_examples=30)
 @given(sparse_matrices())
 def test_offset_solves_all_rows(A: Any) -> None:
     if not svd_basis(A).shape[1]:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from scipy import sparse
 
 from nullbody.nullspace.numeric.angle import subspace_angle
@@ -22,6 +22,7 @@ from tests.nullspace.sparse.matrices import (
 )
 
 
+@settings(max_examples=30)
 @given(sparse_matrices())
 def test_combinations_give_the_redundant_rows(A: Any) -> None:
     if not svd_basis(A).shape[1]:

@@ -107,9 +107,11 @@ def orthogonal_columns(basis: Any, normal: bool) -> Array:
 
     Args:
         basis: N, n x d, sparse.
-        normal: Z with columns of length 1; otherwise Z diag(R) = N T, T unit upper triangular.
+        normal: columns of length 1; otherwise Z diag(R) = N T, T unit upper triangular. The columns of both have the
+            same directions, so that they change with A as N does.
     """
     from scipy.linalg import qr
 
     Z, R = qr(basis.toarray(), mode="economic", check_finite=False)
-    return Z if normal else Z * np.diagonal(R)
+    diagonal = np.diagonal(R)
+    return Z * (diagonal / abs(diagonal) if normal else diagonal)

@@ -11,7 +11,6 @@ from nullbody.errors import InputError, UnknownName
 from nullbody.nullspace.result import FORMS, Form
 from nullbody.nullspace.sparse.chart import in_chart, preferred
 from nullbody.nullspace.sparse.elimination import eliminated
-from nullbody.nullspace.sparse.factor import Factors
 from nullbody.nullspace.sparse.read import Scaled, columns_of, relative_tolerance
 from nullbody.nullspace.sparse.result import SparseNullSpace
 
@@ -64,21 +63,19 @@ def sparse_null_space(
         factors = eliminated(given.matrix, limit).factors
     if len(factors.rows) == n:
         raise InputError(f"only 0 is in the null space: A has rank {n}, as many as columns")
-    space = _result(given, factors, form, factors.independent if chosen is None else chosen)
-    space.check(form)
-    return space
-
-
-def _result(given: Scaled, factors: Factors, form: Form, chosen: Any) -> SparseNullSpace:
-    redundant = np.setdiff1d(np.arange(given.shape[0]), factors.rows)
-    return SparseNullSpace(
+    if chosen is None:
+        chosen = factors.independent
+    space = SparseNullSpace(
         form,
         "sparse elimination",
         tuple(chosen.tolist()),
         tuple(factors.dependent.tolist()),
         tuple(factors.rows.tolist()),
-        tuple(redundant.tolist()),
+        tuple(np.setdiff1d(np.arange(m), factors.rows).tolist()),
         given,
         factors,
         tuple(np.searchsorted(factors.independent, chosen).tolist()),
+        limit,
     )
+    space.check(form)
+    return space

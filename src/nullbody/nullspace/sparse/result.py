@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any, final
@@ -44,9 +44,10 @@ class SparseNullSpace(NullSpace):
     dependent: tuple[int, ...]
     rows: tuple[int, ...]
     redundant: tuple[int, ...]
-    _given: Scaled = field(repr=False)
-    _factors: Factors = field(repr=False)
-    _places: tuple[int, ...] = field(repr=False)
+    _given: Scaled
+    _factors: Factors
+    _places: tuple[int, ...]
+    _tolerance: float
 
     def in_form(self, form: Form) -> Any:
         """The basis in one of the forms, n x d: CSC array if "reduced" or "scaled", else a dense array.
@@ -124,7 +125,7 @@ class SparseNullSpace(NullSpace):
     def repeats(self) -> Mapping[int, Mapping[int, Any]]:
         """How redundant rows repeat others: A[i] = sum_k repeats[i][k] A[k]; coefficients at rounding are left out."""
         redundant = np.array(self.redundant, np.intp)
-        table = repeated_rows(self._given.matrix, self._given.exponents, self._factors, redundant)
+        table = repeated_rows(self._given, self._factors, redundant, self._tolerance)
         return MappingProxyType({i: MappingProxyType(combination) for i, combination in table.items()})
 
     @cached_property
