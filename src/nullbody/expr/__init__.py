@@ -1,8 +1,9 @@
-"""Layer 1: scalar expressions as a hash-consed graph with exact constants, derivatives and counts."""
+"""Layer 1: scalar expressions as a hash-consed graph with exact constants, derivatives, counts and factoring."""
 
 from nullbody.expr.calculus import derivative, directional, jacobian, substitute
 from nullbody.expr.exact import Exact
 from nullbody.expr.expression import Expr, cos, sin, sqrt
+from nullbody.expr.factor import factored
 from nullbody.expr.graph import Graph
 from nullbody.expr.tape import Operations, Tape, operations
 from nullbody.expr.text import latex, text
@@ -16,6 +17,7 @@ __all__ = [
     "cos",
     "derivative",
     "directional",
+    "factored",
     "jacobian",
     "latex",
     "operations",

@@ -1,59 +1,59 @@
-"""The search for fewer operations: other plans, each tried in a graph of its own and counted exactly."""
+"""The search for fewer operations: other plans, each tried in a graph of its own, factored and counted exactly."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
-from nullbody.expr import Expr, Graph, operations
-from nullbody.nullspace.elimination import eliminate
+from nullbody.expr import Expr, Graph, factored, operations
+from nullbody.expr.transplant import transplant
 from nullbody.nullspace.plan import Plan
-from nullbody.nullspace.result import Form
-from nullbody.nullspace.scalar import is_zero
 from nullbody.nullspace.steps import Sparse
+from nullbody.nullspace.symbolic import Rows
 
-__all__ = ["cheapest_plan"]
+__all__ = ["cheapest"]
+
+#: A basis is factored if fewer than so many that were factored before it took fewer operations.
+_AMONG = 4
 
 
-def cheapest_plan(
-    rows: Sequence[Sparse],
-    independent: Sequence[int],
-    dependent: Sequence[int],
-    form: Form,
-    plan: Plan,
-    trials: int,
-) -> Plan:
-    """The plan with the fewest operations for N, or N~ for the form "scaled": the given one or a random one.
+def cheapest(
+    rows: Sequence[Sparse], basis: Callable[[Sequence[Sparse], Plan], Rows], plan: Plan, trials: int
+) -> tuple[Plan, Rows]:
+    """The plan whose basis takes the fewest operations after factoring, and that basis in the graph of the rows.
 
     Args:
-        rows: independent rows of A.
-        independent, dependent: columns of A.
-        form: what is counted; the orthogonal forms count N.
+        rows: independent rows of A, expressions of one graph among them.
+        basis: makes the basis of such rows by a plan.
         plan: the first one.
-        trials: how many others; trial k is the same in every search.
+        trials: how many random ones to try beside it; trial k is the same in every search, and more trials never
+            end with more operations.
     """
-    candidates = [plan, *(Plan.random(seed, plan) for seed in range(trials))]
-    counts = [_count(_copied(rows), independent, dependent, form == "scaled", candidate) for candidate in candidates]
-    return candidates[min(range(len(counts)), key=counts.__getitem__)]
+    graph = next(entry.graph for row in rows for entry in row.values() if isinstance(entry, Expr))
+    counts: dict[Any, int] = {}
+    tried: list[tuple[int, Plan, Rows, list[Expr]]] = []
+    for candidate in (plan, *(Plan.random(seed, plan) for seed in range(trials))):
+        scratch = graph.copy()
+        found = basis(_copied(rows, scratch), candidate)
+        entries = _expressions(found)
+        program = tuple(scratch.code[node] for node in scratch.reachable(entry.ref for entry in entries))
+        count = operations(entries).arithmetic
+        if program in counts or sum(other < count for other in counts.values()) >= _AMONG:
+            continue
+        counts[program] = count
+        for written in (entries, factored(entries)):
+            # counted where it will stand: what A itself has in another form keeps that
+            standing = operations(transplant(written, graph.copy())).arithmetic
+            tried.append((standing, candidate, found, written))
+    _, chosen, found, written = min(tried, key=lambda trial: trial[0])
+    moved = iter(transplant(written, graph))
+    return chosen, tuple(tuple(next(moved) if isinstance(entry, Expr) else entry for entry in row) for row in found)
 
 
-def _count(rows: list[Sparse], independent: Sequence[int], dependent: Sequence[int], scaled: bool, plan: Plan) -> float:
-    factors = eliminate(rows, dependent, plan)
-    if is_zero(factors.delta):
-        return float("inf")
-    solve = factors.solve_column_scaled if scaled else factors.solve_column
-    entries = [entry for j in independent for entry in solve(j)]
-    entries += [factors.delta] if scaled else []
-    return operations([entry for entry in entries if isinstance(entry, Expr)]).arithmetic
+def _expressions(rows: Rows) -> list[Expr]:
+    return [entry for row in rows for entry in row if isinstance(entry, Expr)]
 
 
-def _copied(rows: Sequence[Sparse]) -> list[Sparse]:
+def _copied(rows: Sequence[Sparse], graph: Graph) -> list[Sparse]:
     """The rows in a graph of their own: a node of equal value in theirs would be taken for free."""
-    graph: Graph | None = None
-    copied: list[Sparse] = []
-    for row in rows:
-        copied.append(dict(row))
-        for j, entry in row.items():
-            if isinstance(entry, Expr):
-                graph = graph or entry.graph.copy()
-                copied[-1][j] = Expr(graph, entry.ref)
-    return copied
+    return [{j: Expr(graph, e.ref) if isinstance(e, Expr) else e for j, e in row.items()} for row in rows]
