@@ -80,3 +80,12 @@ def test_small_expressions_are_short() -> None:
 )
 def test_names_in_latex(name: str, shown: str) -> None:
     assert latex_symbol(name) == shown
+
+
+def test_what_does_not_fit_a_screen_is_described() -> None:
+    graph = Graph()
+    x, y = graph.symbol("x"), graph.symbol("y")
+    assert repr(x + y) == "x + y"
+    for _ in range(400):
+        x = x * x + y
+    assert repr(x) == "<Expr of 800 (400 +, 400 *) operations, 1e+18 symbols when written out: see text()>"

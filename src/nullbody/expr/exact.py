@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import gcd, isfinite, isqrt
+from numbers import Rational
+from typing import Any
 
 from nullbody.errors import InputError
 
@@ -66,10 +68,7 @@ class Exact:
         if isinstance(number, Exact):
             return number
         if isinstance(number, bool) or not isinstance(number, int | float | Fraction):
-            try:
-                number = float(number)
-            except (TypeError, ValueError):
-                raise InputError(f"{number!r} is not a number; give an int, a Fraction or a float") from None
+            number = _plain(number)
         if isinstance(number, float):
             if not isfinite(number):
                 raise InputError(f"a constant must be finite, not {number}")
@@ -162,6 +161,18 @@ class Exact:
 
     def __str__(self) -> str:
         return " + ".join(_term(k, part) for k, part in self.terms).replace("+ -", "- ") or "0"
+
+
+def _plain(number: Any) -> Fraction | float:
+    """A number of another library: whole and rational ones exactly, any other as a float."""
+    if isinstance(number, Rational):
+        return Fraction(int(number.numerator), int(number.denominator))
+    try:
+        if not isinstance(number, str):
+            return float(number)
+    except (TypeError, ValueError):
+        pass
+    raise InputError(f"{number!r} is not a number; give an int, a Fraction or a float")
 
 
 def _term(radicand: int, part: Fraction) -> str:

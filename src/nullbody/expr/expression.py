@@ -116,9 +116,9 @@ class Expr:
         return self.graph.symbols[left] if op == "symbol" and not self.ref & 1 else None
 
     def __repr__(self) -> str:
-        from nullbody.expr.text import text
+        from nullbody.expr.text import shown
 
-        return text(self)
+        return shown(self)
 
 
 def sin(x: Expr) -> Expr:

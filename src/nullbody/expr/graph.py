@@ -11,7 +11,7 @@ Nodes are only ever appended, and a node's operands precede it: node order is an
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -144,9 +144,9 @@ class Graph:
             return a
         if a == b ^ 1:
             return ZERO
-        left, right = self.constant_of(a), self.constant_of(b)
-        if left is not None and right is not None:
-            return self.constant_ref(left + right)
+        code = self.code
+        if code[a >> 1][0] == code[b >> 1][0] == "const":
+            return self._of_constants(a, b, Exact.__add__)
         if a >> 1 > b >> 1:
             a, b = b, a
         op = "sub" if (a ^ b) & 1 else "add"
@@ -163,17 +163,24 @@ class Graph:
             a, b = b, a
         if a == ONE:
             return b ^ sign
-        left, right = self.constant_of(a), self.constant_of(b)
-        if left is not None and right is not None:
-            return self.constant_ref(left * right) ^ sign
-        if right is not None:
-            a, b, left = b, a, right
-        op, c, d = self.code[b >> 1]
-        if left is not None and op == "mul" and (inner := self.constant_of(c)) is not None:
-            return self.multiply(self.constant_ref(left * inner), d) ^ sign
-        if a == b and op == "sqrt":
+        code = self.code
+        if code[b >> 1][0] == "const":
+            a, b = b, a
+        op, c, d = code[b >> 1]
+        if code[a >> 1][0] == "const":
+            if op == "const":
+                return self._of_constants(a, b, Exact.__mul__) ^ sign
+            if op == "mul" and code[c >> 1][0] == "const":
+                return self.multiply(self._of_constants(a, c, Exact.__mul__), d) ^ sign
+        elif a == b and op == "sqrt":
             return c ^ sign
         return self._node("mul", a, b) ^ sign
+
+    def _of_constants(self, a: int, b: int, operation: Callable[[Exact, Exact], Exact]) -> int:
+        left, right = self.constant_of(a), self.constant_of(b)
+        assert left is not None
+        assert right is not None
+        return self.constant_ref(operation(left, right))
 
     def invert(self, a: int) -> int:
         """1 / a.
@@ -218,7 +225,7 @@ class Graph:
         if ref is not None:
             return ref
         value = self._witness.of_operation(key)
-        depends = self.depends[a >> 1] | (self.depends[b >> 1] if op in ("add", "sub", "mul") else 0)
+        depends = self.depends[a >> 1] | (self.depends[b >> 1] if op in _BINARY else 0)
         ref = self._by_value.get(value)
         if ref is None or self.depends[ref >> 1] & ~depends:  # never trade for a node that needs other symbols
             ref = self._append(key, depends, value)

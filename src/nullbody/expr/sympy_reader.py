@@ -16,6 +16,7 @@ from nullbody.expr.graph import ONE, ZERO, Graph
 __all__ = ["SymPyReader", "shown"]
 
 _LARGEST_POWER = 10_000  # of a constant: exact numbers would grow without limit
+_HYPERBOLIC = ("sinh", "cosh", "tanh", "coth", "sech", "csch")
 _CIRCULAR = ("sin", "cos", "tan", "cot", "sec", "csc")
 
 _Plan = tuple[Sequence[Any], Callable[[Sequence[int]], int]]  # what must be read before; how it is put together
@@ -41,6 +42,8 @@ class SymPyReader:
             sympy.Add: lambda e: (e.args, self._sum),
             sympy.Mul: self._mul,
             sympy.Pow: self._pow,
+            sympy.exp: self._exp,
+            **{getattr(sympy, name): self._hyperbolic for name in _HYPERBOLIC},
             **{getattr(sympy, name): partial(self._function, name) for name in _CIRCULAR},
         }
 
@@ -87,6 +90,23 @@ class SymPyReader:
             root = self._sympy.Pow(power.base, self._sympy.Rational(1, power.exp.q))
             return (root,), partial(self._raised, 2 * int(power.exp.p))
         return self._leaf(power)
+
+    def _exp(self, function: Any) -> _Plan:
+        """exp of a sum is a product, exp(k t) a power of exp(t): what is left are stand-ins that do not depend."""
+        exponent = function.args[0]
+        terms = exponent.args if type(exponent) is self._sympy.Add else (exponent,)
+        factors = [term.as_coeff_Mul(rational=True) for term in terms]
+        powers = [2 * int(number.p) for number, _ in factors]
+        bases = [self._sympy.exp(rest / number.q) for number, rest in factors]
+        if bases == [function]:
+            return self._leaf(function)
+        return bases, lambda refs: self._product([0] * len(refs), list(map(self._power, powers, refs)))
+
+    def _power(self, twice: int, base: int) -> int:
+        return self._raised(twice, (base,))
+
+    def _hyperbolic(self, function: Any) -> _Plan:
+        return (function.rewrite(self._sympy.exp),), lambda refs: refs[0]
 
     def _twice(self, exponent: Any) -> int | None:
         """2 n for an exponent n that is whole or a half, or None."""

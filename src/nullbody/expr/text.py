@@ -10,14 +10,16 @@ from fractions import Fraction
 from nullbody.expr.exact import Exact
 from nullbody.expr.expression import Expr
 from nullbody.expr.graph import Graph
+from nullbody.expr.tape import operations
 
-__all__ = ["latex", "latex_symbol", "shared_nodes", "text"]
+__all__ = ["latex", "latex_symbol", "shared_nodes", "shown", "text"]
 
 _GREEK = {
     *("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu"),
     *("nu", "xi", "pi", "rho", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega"),
 }
 _SUM, _PRODUCT, _ATOM = 0, 1, 2
+_LARGEST_SHOWN = 2000  # symbols, numbers and signs in what `repr` writes out
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,17 @@ class _Style:
 def text(expression: Expr, names: Mapping[int, str] | None = None) -> str:
     """The expression as text; `names` maps nodes to the names under which they are printed."""
     return _write(expression.graph, expression.ref, names or {}, _Style(tex=False))[0]
+
+
+def shown(expression: Expr) -> str:
+    """The expression as text where that fits a screen, otherwise what it is: shared parts would be written out."""
+    graph, sizes = expression.graph, dict[int, int]()
+    for node in graph.reachable([expression.ref]):
+        sizes[node] = min(10**18, 1 + sum(sizes[ref >> 1] for ref in graph.operands(node)))
+    written = sizes[expression.ref >> 1]
+    if written <= _LARGEST_SHOWN:
+        return text(expression)
+    return f"<Expr of {operations([expression])} operations, {written:.3g} symbols when written out: see text()>"
 
 
 def latex(expression: Expr, names: Mapping[int, str] | None = None) -> str:
