@@ -30,7 +30,7 @@ from nullbody.nullspace import null_space
         ([["1", 2]], "number or an expression"),
         ([[None, 2]], "number or an expression"),
         ([[1j, sympy.Symbol("x")]], "complex"),
-        (["12", "34"], "number or an expression"),
+        (["12", "34"], "text, sets and mappings are no rows"),
     ],
 )
 def test_bad_matrices(A: Any, message: str) -> None:

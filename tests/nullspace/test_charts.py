@@ -176,10 +176,12 @@ def test_bad_requests(matrix: Any, options: dict[str, Any], message: str) -> Non
 
 def test_bad_questions_to_an_atlas() -> None:
     found = charts(A)
-    with pytest.raises(InputError, match=r"no chart with the independent columns \[0, 7\]"):
+    with pytest.raises(InputError, match=r"columns must be distinct and in 0\.\.3, not \[0, 7\]"):
         found[0, 7]
-    with pytest.raises(InputError, match="no chart"):
+    with pytest.raises(InputError, match="must be distinct"):
         found[0, 0]
+    with pytest.raises(InputError, match=r"no chart with the independent columns \[0\]"):
+        found[0]
     with pytest.raises(InputError, match="numbers take no operations"):
         found.best("operations")
     with pytest.raises(UnknownName, match="'conditions'; did you mean 'condition'"):

@@ -9,6 +9,7 @@ from typing import Literal
 
 from nullbody.errors import InputError, SingularityError, UnknownName
 from nullbody.expr import Operations
+from nullbody.nullspace.given import checked_columns
 from nullbody.tolerances import EPS
 
 __all__ = ["Atlas", "By", "Chart"]
@@ -70,9 +71,11 @@ class Atlas:
         """The chart of these independent columns.
 
         Raises:
-            InputError: there is none.
+            InputError: there is none, or these are no columns.
         """
-        chosen = (independent,) if isinstance(independent, int) else tuple(independent)
+        chosen = checked_columns(
+            [independent] if isinstance(independent, int) else independent, self.columns, "a chart's"
+        )
         chart = self._by_columns.get(frozenset(chosen))
         if chart is None or len(chosen) != len(chart.independent):
             raise InputError(f"there is no chart with the independent columns {list(chosen)} in {self!r}")
@@ -120,7 +123,13 @@ class Atlas:
         return sorted(regular, key=lambda chart: _figures(chart, by))
 
     def table(self, k: int = 10, by: By | None = None) -> str:
-        """The k best charts as text, one line each; arguments and errors as `best`."""
+        """The k best charts as text, one line each; arguments and errors as `best`.
+
+        Raises:
+            InputError: k is no whole number, 0 or more.
+        """
+        if type(k) is not int or k < 0:
+            raise InputError(f"k is a number of charts, 0 or more, not {k!r}")
         ranked = self.ranked(by)[:k]
         width = max([len(str(chart.independent)) for chart in ranked], default=0)
         width = max(width, len("independent"))

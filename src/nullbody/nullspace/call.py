@@ -8,15 +8,16 @@ from typing import Any, get_args
 from nullbody.errors import InputError, SingularityError, UnknownName
 from nullbody.expr import Expr
 from nullbody.nullspace.elimination import eliminate
-from nullbody.nullspace.given import Given, checked_columns, read
+from nullbody.nullspace.given import Given, checked_columns, checked_tolerance, read
 from nullbody.nullspace.minors import LARGEST
 from nullbody.nullspace.plan import DEFAULT, SMALL_BLOCK, Plan
-from nullbody.nullspace.rank import Echelon, sparse_echelon
+from nullbody.nullspace.rank import Echelon
 from nullbody.nullspace.result import Form
+from nullbody.nullspace.roots import generic_echelon, has_roots
 from nullbody.nullspace.scalar import is_zero
-from nullbody.nullspace.search import cheapest_plan
+from nullbody.nullspace.search import cheapest
 from nullbody.nullspace.steps import Sparse
-from nullbody.nullspace.symbolic import SymbolicNullSpace
+from nullbody.nullspace.symbolic import Rows, SymbolicNullSpace
 
 __all__ = ["METHODS", "null_space"]
 
@@ -49,8 +50,10 @@ def null_space(
             for arrays "complete", "lu", "qr", "svd", "minors", "compiled" (`nullbody.nullspace.numeric`).
         prefer: columns in the order in which they should become independent, as far as they can.
         search: how many other ways of writing an expression's basis to try for fewer operations; each takes as
-            long as the first. The same number gives the same result.
-        tolerance: for arrays and sparse matrices, the relative size below which a pivot counts as zero.
+            long as the first, and common factors are taken out of the cheapest (0: of none). The same number gives
+            the same result.
+        tolerance: for arrays and sparse matrices, the relative size below which a pivot counts as zero; exact numbers
+            and expressions need none.
 
     Returns:
         `NullSpace`: basis, delta, independent, dependent, rows, redundant, repeats, condition, ...
@@ -59,9 +62,10 @@ def null_space(
         InputError: ragged A, entries that are no finite numbers, wrong columns, or only 0 in the null space.
         SingularityError: the chosen columns leave |B| = 0; the message names columns that would do.
     """
-    if form not in get_args(Form):
-        raise UnknownName("form", form, get_args(Form), place="null_space")
-    given = read(A)
+    _require(form, search, independent, prefer)
+    given, tolerance = read(A), checked_tolerance(tolerance)
+    independent = None if independent is None else checked_columns(independent, given.columns, "independent")
+    prefer = None if prefer is None else checked_columns(prefer, given.columns, "preferred")
     if given.kind == "array":
         from nullbody.nullspace.numeric import array_null_space
 
@@ -70,10 +74,8 @@ def null_space(
         from nullbody.nullspace.sparse import sparse_null_space
 
         return sparse_null_space(given.matrix, independent, form, method, prefer=prefer, tolerance=tolerance)
-    if method not in METHODS:
+    if method not in tuple(METHODS):
         raise UnknownName("method", method, METHODS, place="null_space of exact numbers or expressions")
-    if type(search) is not int or search < 0:
-        raise InputError(f"search must be a number of trials, 0 or more, not {search!r}")
     plan = Plan(largest=METHODS[method])
     space = symbolic_null_space(given, independent, form, plan, prefer=prefer, search=search)
     if not space.independent:
@@ -81,6 +83,16 @@ def null_space(
             f"A has full column rank {given.columns}: there is nothing but 0 in its null space, no columns would do"
         )
     return space
+
+
+def _require(form: Form, search: int, independent: Any, prefer: Any) -> None:
+    """Raise where arguments of `null_space` make no sense, whatever A is."""
+    if form not in get_args(Form):
+        raise UnknownName("form", form, get_args(Form), place="null_space")
+    if type(search) is not int or search < 0:
+        raise InputError(f"search must be a number of trials, 0 or more, not {search!r}")
+    if independent is not None and prefer is not None:
+        raise InputError("give the independent columns or a preference among columns, not both")
 
 
 def symbolic_null_space(
@@ -101,23 +113,29 @@ def symbolic_null_space(
     chosen = _chosen(independent, n, found)
     dependent = tuple(j for j in range(n) if j not in set(chosen))
     used = [rows[i] for i in found.rows]
+    if independent is not None and has_roots(used) and not _regular(used, dependent, chosen):
+        raise _singular(rows, chosen, n)
+
+    def made(used: Sequence[Sparse], plan: Plan, basis: Rows | None = None) -> SymbolicNullSpace:
+        factors = eliminate(used, dependent, plan)
+        if is_zero(factors.delta):
+            raise _singular(rows, chosen, n)
+        return SymbolicNullSpace(
+            form,
+            "elimination" if factors.eliminated else "minors",
+            chosen,
+            dependent,
+            found.rows,
+            found.redundant,
+            factors,
+            tuple(rows[i] for i in found.redundant),
+            given,
+            basis,
+        )
+
     if search and any(isinstance(entry, Expr) for row in used for entry in row.values()):
-        plan = cheapest_plan(used, chosen, dependent, form, plan, search)
-    factors = eliminate(used, dependent, plan)
-    if is_zero(factors.delta):
-        raise SingularityError(_singular_message(rows, chosen, n))
-    name = "elimination" if factors.eliminated else "minors"
-    return SymbolicNullSpace(
-        form,
-        name,
-        chosen,
-        dependent,
-        found.rows,
-        found.redundant,
-        factors,
-        tuple(rows[i] for i in found.redundant),
-        given,
-    )
+        return made(used, *cheapest(used, lambda used, plan: made(used, plan).inward(form), plan, search))
+    return made(used, plan)
 
 
 def _echelon(rows: Sequence[Sparse], n: int, prefer: Sequence[int] | None) -> Echelon:
@@ -126,7 +144,7 @@ def _echelon(rows: Sequence[Sparse], n: int, prefer: Sequence[int] | None) -> Ec
     if prefer is not None:
         wanted = checked_columns(prefer, n, "preferred")
         order = [j for j in range(n) if j not in wanted] + list(reversed(wanted))
-    return sparse_echelon(rows, order)
+    return generic_echelon(rows, order, n)
 
 
 def _chosen(independent: Sequence[int] | None, n: int, found: Echelon) -> tuple[int, ...]:
@@ -140,10 +158,15 @@ def _chosen(independent: Sequence[int] | None, n: int, found: Echelon) -> tuple[
     return chosen
 
 
-def _singular_message(rows: Sequence[Sparse], chosen: Sequence[int], n: int) -> str:
-    found = sparse_echelon(rows, [j for j in range(n) if j not in chosen] + list(reversed(chosen)))
+def _regular(rows: Sequence[Sparse], dependent: Sequence[int], chosen: Sequence[int]) -> bool:
+    order = [*dependent, *chosen]
+    return set(generic_echelon(rows, order, len(order)).columns) == set(dependent)
+
+
+def _singular(rows: Sequence[Sparse], chosen: Sequence[int], n: int) -> SingularityError:
+    found = generic_echelon(rows, [j for j in range(n) if j not in chosen] + list(reversed(chosen)), n)
     would_do = [j for j in range(n) if j not in found.columns]
-    return (
+    return SingularityError(
         f"columns {list(chosen)} cannot be the independent ones: the determinant of the others is identically zero; "
         f"columns {would_do} would do"
     )

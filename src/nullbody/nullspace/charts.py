@@ -90,9 +90,15 @@ def charts(
         UnknownName: A has no symbol that `at` names, or there is no such method.
         ArithmeticError: two random points disagree on the singular charts (a chance of about 1e-15).
     """
-    if method not in METHODS:
+    if method not in tuple(METHODS):
         raise UnknownName("method", method, METHODS, place="charts")
-    points = [at] if isinstance(at, Mapping) else list(at or [{}])
+    points: Any = [at] if isinstance(at, Mapping) else at or [{}]
+    if not isinstance(points, Sequence) or not all(isinstance(point, Mapping) for point in points):
+        raise InputError(f"at must be a point, numbers by symbol, or a list of points, not {at!r}")
+    if type(limit) is not int or limit < 1:
+        raise InputError(f"limit is a number of charts, 1 or more, not {limit!r}")
+    if progress is not None and not callable(progress):
+        raise InputError(f"progress is called with a number, and {progress!r} cannot be")
     request = _Request(columns, Plan(largest=METHODS[method]), points, limit, progress)
     given = read(A)
     if given.kind == "sparse":

@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from nullbody.errors import InputError, SingularityError
 from nullbody.expr.matrix import Matrix, dot, matmul, total, transpose
+from nullbody.nullspace.given import scalar_rows
 from nullbody.nullspace.gram import orthogonal
 from nullbody.nullspace.result import NullSpace
 from nullbody.nullspace.scalar import is_zero, reciprocal
@@ -105,6 +106,7 @@ def orthogonal_rate(N: Matrix, N_dot: Matrix) -> tuple[tuple[Any, ...], ...]:
     Raises:
         InputError: sizes that differ, or columns that are not independent.
     """
+    N, N_dot = (scalar_rows(rows, "N and its derivative must be rows of scalars") for rows in (N, N_dot))
     if [len(row) for row in N] != [len(row) for row in N_dot]:
         raise InputError("N and its derivative must have one shape")
     found, columns = transpose(orthogonal(N)), transpose(N)
@@ -200,6 +202,8 @@ def orthonormal_rate(A: ArrayLike, A_dot: ArrayLike, Z: ArrayLike) -> _Array:
 
 def _stacked(derivative: Callable[[Any, Any], Any], spaces: NullSpaceStack, A_dot: Any) -> _Array:
     """The derivative for each matrix of a stack."""
+    if not hasattr(spaces, "matrices"):
+        raise InputError(f"expected what `null_space` returns, not {type(spaces).__name__}")
     rates = _finite(A_dot, "A_dot")
     if rates.ndim != 3 or len(rates) != len(spaces):
         raise InputError(f"A_dot must be a stack of {len(spaces)} matrices, not of shape {rates.shape}")

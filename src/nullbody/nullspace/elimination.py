@@ -210,9 +210,15 @@ class Elimination:
         """The right-hand side of a stage: what is left after the unknowns that are known."""
         found = {}
         for i in stage.rows:
-            known = combined(*((entry, x[j]) for j, entry in self.rows[i].items() if j in x))
-            value = total((work.get(i, 0), -known))
-            if not is_zero(value):
+            known: Any = None
+            for j, entry in self.rows[i].items():
+                if j in x:
+                    term = entry * x[j]
+                    known = term if known is None else known + term
+            value = work.get(i)
+            if known is not None:
+                value = -known if value is None else value - known
+            if value is not None and not is_zero(value):
                 found[i] = value
         return found
 

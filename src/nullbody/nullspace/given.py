@@ -8,20 +8,23 @@ sparse       SciPy sparse matrices                          rounded results
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+import sys
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from fractions import Fraction
+from operator import index
+from reprlib import Repr
 from typing import TYPE_CHECKING, Any, Literal
 
 from nullbody.errors import InputError
 from nullbody.expr import Exact, Expr, Graph
-from nullbody.nullspace.scalar import is_zero
 from nullbody.nullspace.steps import Sparse, dense_rows, sparse_rows
 
 if TYPE_CHECKING:
     from nullbody.expr.bridge import SymPyBridge
 
-__all__ = ["Given", "Kind", "checked_columns", "read", "sympy_matrix"]
+__all__ = ["Given", "Kind", "checked_columns", "checked_tolerance", "read", "scalar_rows", "sympy_matrix"]
 
 Kind = Literal["numbers", "expressions", "array", "sparse"]
 
@@ -31,6 +34,14 @@ def _same(value: Any) -> Any:
 
 
 _WHAT = "A must be a list of rows of scalars, a NumPy array, a SciPy sparse matrix or a SymPy matrix"
+
+#: Text, and what has no order: no row, though Python lets one iterate over it.
+_NO_ROW = (str, bytes, bytearray, Mapping, Set)
+
+_LARGEST = Fraction(sys.float_info.max)
+
+_SHORT = Repr()  # of lists in messages
+_SHORT.maxlist = 12
 
 
 @dataclass(frozen=True)
@@ -68,7 +79,13 @@ def read(A: Any) -> Given:
     Raises:
         InputError: ragged rows, no columns, entries that are no finite numbers or of no known kind.
     """
+    if isinstance(A, (type, *_NO_ROW)):
+        raise InputError(f"{_WHAT}, not a {type(A).__name__}")
+    if hasattr(A, "to_numpy"):  # a table of pandas
+        A = A.to_numpy()
     if hasattr(A, "tocsr") and hasattr(A, "nnz"):
+        if len(A.shape) != 2:
+            raise InputError(f"A must be a matrix (m, n), not a sparse array of shape {A.shape}")
         return Given("sparse", A, A.shape[1])
     if hasattr(A, "dtype") and hasattr(A, "ndim") and A.dtype != object:
         return Given("array", A, A.shape[-1] if A.ndim else 0)
@@ -76,13 +93,31 @@ def read(A: Any) -> Given:
         shape, rows = tuple(A.shape), A.tolist()
         frame = sympy_matrix if hasattr(A, "free_symbols") else tuple
         return _scalars(rows, shape[-1] if shape else 0, frame)
-    try:
-        rows = [list(row) for row in A]
-    except TypeError:
-        raise InputError(_WHAT) from None
+    rows = scalar_rows(A, _WHAT)
     if not rows or any(len(row) != len(rows[0]) for row in rows):
         raise InputError("A must be a non-empty list of rows of equal length; write no rows as numpy.zeros((0, n))")
     return _scalars(rows, len(rows[0]), tuple)
+
+
+def scalar_rows(matrix: Any, wanted: str) -> list[list[Any]]:
+    """The rows of a dense matrix as lists, whatever is in them.
+
+    Args:
+        matrix: rows, an array (m, n) or a SymPy matrix.
+        wanted: what the message says where it is nothing of that.
+
+    Raises:
+        InputError: it has no rows, or they are text, sets or mappings, or not in two dimensions.
+    """
+    if hasattr(matrix, "tolist"):
+        matrix = matrix.tolist()
+    try:
+        rows = [None if isinstance(row, _NO_ROW) else list(row) for row in matrix]
+    except (TypeError, ValueError):
+        raise InputError(wanted) from None
+    if isinstance(matrix, _NO_ROW) or any(row is None for row in rows):
+        raise InputError(f"{wanted}; text, sets and mappings are no rows")
+    return [row for row in rows if row is not None]
 
 
 def checked_columns(columns: Sequence[int], n: int, kind: str) -> tuple[int, ...]:
@@ -91,23 +126,48 @@ def checked_columns(columns: Sequence[int], n: int, kind: str) -> tuple[int, ...
     Raises:
         InputError: they are no list, or not distinct, or not in 0..n-1.
     """
+    if isinstance(columns, Mapping):
+        raise InputError(f"{kind} columns must be a list of column numbers, not a {type(columns).__name__}")
     try:
-        chosen = tuple(columns)
+        given = tuple(columns)
     except TypeError:
         raise InputError(f"{kind} columns must be a list of column numbers, not {columns!r}") from None
-    whole = all(hasattr(j, "__index__") and not isinstance(j, bool) for j in chosen)
-    if not whole or len(set(chosen)) != len(chosen) or any(j not in range(n) for j in chosen):
-        raise InputError(f"{kind} columns must be distinct and in 0..{n - 1}, not {list(chosen)}")
-    return tuple(int(j) for j in chosen)
+    wrong = f"{kind} columns must be distinct and in 0..{n - 1}, not {_SHORT.repr(list(given))}"
+    try:
+        chosen = tuple(-1 if isinstance(j, bool) else index(j) for j in given)
+    except TypeError:
+        raise InputError(wrong) from None
+    if len(set(chosen)) != len(chosen) or any(j not in range(n) for j in chosen):
+        raise InputError(wrong)
+    return chosen
+
+
+def checked_tolerance(given: float | None) -> float | None:
+    """A relative tolerance; None stays None.
+
+    Raises:
+        InputError: it is not in 0..1.
+    """
+    if given is None:
+        return None
+    try:
+        value = math.nan if isinstance(given, bool | str) else float(given)
+    except (TypeError, ValueError):
+        value = math.nan
+    if not 0 < value < 1:
+        raise InputError(f"the tolerance is relative: a number above 0 and below 1, not {given!r}")
+    return value
 
 
 def _scalars(rows: list[list[Any]], columns: int, frame: Callable[[Any], Any]) -> Given:
     if not columns:
-        raise InputError("A must have columns: a matrix without unknowns is non-empty in no sense")
+        raise InputError("A has no columns: without unknowns there is no null space; it must be non-empty")
     if any(type(row) is not list or len(row) != columns for row in rows):
         raise InputError(_WHAT)
-    read = [[_plain(entry, i, j) for j, entry in enumerate(row)] for i, row in enumerate(rows)]
-    kinds = {type(entry) for row in read for entry in row}
+    read, kinds = rows, _kinds(rows)
+    if not kinds <= {Expr, Fraction}:
+        read = [[_plain(entry, i, j) for j, entry in enumerate(row)] for i, row in enumerate(rows)]
+        kinds = _kinds(read)
     if Expr in kinds:
         return _graph(read, columns, frame)
     if any(hasattr(kind, "free_symbols") for kind in kinds):
@@ -115,18 +175,39 @@ def _scalars(rows: list[list[Any]], columns: int, frame: Callable[[Any], Any]) -
     if Exact in kinds:
         return _surds(read, columns, frame)
     if kinds & {float, complex}:
-        import numpy as np
-
-        return Given("array", np.array(read, dtype=complex if complex in kinds else float), columns)
+        return Given("array", _rounded(read, complex if complex in kinds else float), columns)
     return Given("numbers", sparse_rows(read), columns, _fraction, _same, frame)
+
+
+def _kinds(rows: list[list[Any]]) -> set[type]:
+    return set().union(*(map(type, row) for row in rows))
+
+
+def _rounded(rows: list[list[Any]], kind: type) -> Any:
+    """Rows of numbers as an array of doubles."""
+    import numpy as np
+
+    try:
+        return np.array(rows, dtype=kind)
+    except OverflowError:
+        large = ((i, j) for i, row in enumerate(rows) for j, entry in enumerate(row) if abs(entry) > _LARGEST)
+        i, j = next(large)
+        raise InputError(
+            f"A[{i}, {j}] is beyond the range of doubles, and other entries are floats: give all of them as exact "
+            "numbers (int, Fraction), or scale the row"
+        ) from None
 
 
 def _plain(entry: Any, i: int, j: int) -> Any:
     """An entry as a Fraction, float, complex, Exact, Expr or SymPy expression."""
     if isinstance(entry, Expr | Fraction):
         return entry
-    if hasattr(entry, "dtype") and hasattr(entry, "item"):
+    if hasattr(entry, "dtype") and hasattr(entry, "item"):  # a scalar of NumPy
+        if getattr(entry, "size", 1) != 1:
+            raise InputError(f"A[{i}, {j}] must be a number or an expression, not an array of shape {entry.shape}")
         entry = entry.item()
+        if hasattr(entry, "dtype"):  # a long double stays one
+            entry = complex(entry) if entry.dtype.kind == "c" else float(entry)
     if isinstance(entry, Exact):
         return entry
     if isinstance(entry, bool | str | bytes):
@@ -153,7 +234,13 @@ def _graph(rows: list[list[Any]], columns: int, frame: Callable[[Any], Any]) -> 
 
 
 def _in_graph(row: list[Any], graph: Graph, i: int) -> Sparse:
-    return {j: _of_graph(entry, graph, f"A[{i}, {j}]") for j, entry in enumerate(row) if not is_zero(entry)}
+    read: Sparse = {}
+    for j, entry in enumerate(row):
+        known = type(entry) is Expr and entry.graph is graph
+        own = entry if known else _of_graph(entry, graph, f"A[{i}, {j}]")
+        if own.ref:
+            read[j] = own
+    return read
 
 
 def _of_graph(entry: Any, graph: Graph, place: str) -> Expr:
@@ -168,9 +255,10 @@ def _of_graph(entry: Any, graph: Graph, place: str) -> Expr:
 
 def _fraction(scalar: Any) -> Fraction:
     """An exact number; a float means its shortest decimal."""
-    number = Exact.of(scalar).fraction
+    irrational = hasattr(scalar, "free_symbols") and not (scalar.is_Rational or scalar.is_Float)
+    number = None if irrational else Exact.of(scalar).fraction
     if number is None:
-        raise InputError(f"{scalar} is irrational, A is not: give A in the same kind of numbers (`Exact`, SymPy)")
+        raise InputError(f"{scalar} is not rational, A is: give A in the same kind of scalars (`Exact`, SymPy)")
     return number
 
 
@@ -196,12 +284,19 @@ def _sympy(rows: list[list[Any]], columns: int, frame: Callable[[Any], Any]) -> 
     from nullbody.expr.bridge import SymPyBridge
 
     bridge = SymPyBridge(Graph())
-    written = sparse_rows([bridge.read(entry) for entry in row] for row in rows)
+    written = sparse_rows([_bridged(bridge, e, i, j) for j, e in enumerate(row)] for i, row in enumerate(rows))
 
     def outward(scalar: Any) -> Any:
         return bridge.write(scalar) if isinstance(scalar, Expr) else _sympy_number(scalar)
 
     return Given("expressions", written, columns, bridge.read, outward, frame, bridge)
+
+
+def _bridged(bridge: SymPyBridge, entry: Any, i: int, j: int) -> Expr:
+    try:
+        return bridge.read(entry)
+    except InputError as error:
+        raise InputError(f"A[{i}, {j}]: {error}") from None
 
 
 def _rational(entry: Any) -> bool:

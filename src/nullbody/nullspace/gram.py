@@ -29,6 +29,7 @@ from typing import Any
 from nullbody.errors import InputError
 from nullbody.expr import Exact, Expr, sqrt
 from nullbody.expr.matrix import Matrix, total, transpose
+from nullbody.nullspace.given import checked_columns, scalar_rows
 from nullbody.nullspace.minors import LARGEST
 from nullbody.nullspace.scalar import is_zero, reciprocal
 from nullbody.tolerances import EPS
@@ -123,8 +124,11 @@ def paper_scaled(N: Matrix, delta: Any, independent: Sequence[int]) -> Rows:
         InputError: the sizes do not fit.
     """
     fold = _Fold.of(N)
+    independent = checked_columns(independent, len(N), "independent")
     if len(fold.columns) != len(independent):
         raise InputError(f"a basis of {len(fold.columns)} columns has as many independent places, not {independent}")
+    if _no_scalar(delta):
+        raise InputError(f"delta must be a scalar, not {delta!r}")
     scale = delta
     result = []
     for k, (column, square) in enumerate(zip(*_orthogonalised(fold), strict=True)):
@@ -203,9 +207,12 @@ class _Fold:
 
     @classmethod
     def of(cls, N: Matrix) -> _Fold:
-        rows = [list(row) for row in N]
+        wanted = "a basis is a non-empty list of rows of equal length"
+        rows = scalar_rows(N, wanted)
         if not rows or not rows[0] or any(len(row) != len(rows[0]) for row in rows):
-            raise InputError("a basis is a non-empty list of rows of equal length")
+            raise InputError(wanted)
+        if any(_no_scalar(entry) for row in rows for entry in row):
+            raise InputError(f"{wanted}, of scalars")
         multiples = _multiples(rows)
         kept = [i for i in range(len(rows)) if i not in multiples]
         weights: dict[int, Any] = dict.fromkeys(kept, 1)
@@ -227,6 +234,10 @@ class _Fold:
         for i, (factor, source) in self.multiples.items():
             found[i] = tuple(0 if is_zero(entry) else factor * entry for entry in found[source])
         return tuple(found[i] for i in range(len(found)))
+
+
+def _no_scalar(entry: Any) -> bool:
+    return entry is None or hasattr(entry, "__len__")
 
 
 def _multiples(rows: list[list[Any]]) -> dict[int, tuple[Any, int]]:

@@ -12,6 +12,7 @@ from typing import Any
 
 from nullbody.errors import InputError
 from nullbody.expr.matrix import Matrix, total
+from nullbody.nullspace.given import scalar_rows
 from nullbody.nullspace.scalar import is_zero
 
 __all__ = ["LARGEST", "Minors", "adjugate", "parity"]
@@ -35,7 +36,10 @@ class Minors:
     def __init__(self, matrix: Matrix, order: Sequence[int] | None = None, *, by_rows: bool = False) -> None:
         n = len(matrix)
         if n > LARGEST:
-            raise InputError(f"an irreducible {n} x {n} matrix is too large to expand by minors (at most {LARGEST})")
+            raise InputError(
+                f"an irreducible {n} x {n} matrix is too large to expand by minors (at most {LARGEST}); "
+                'the methods "auto" and "elimination" take pivots there'
+            )
         lines = [list(row) for row in matrix] if by_rows else [[row[j] for row in matrix] for j in range(n)]
         if order is None:
             order = sorted(range(n), key=lambda k: sum(not is_zero(entry) for entry in lines[k]))
@@ -117,9 +121,15 @@ def adjugate(matrix: Matrix) -> tuple[list[list[Any]], Any]:
     """(adj(B), |B|) with B adj(B) = |B| I, for an n x n matrix B of any scalar type.
 
     Raises:
-        InputError: the matrix is larger than `LARGEST`.
+        InputError: the matrix is not square, or larger than `LARGEST`.
     """
-    minors, n = Minors(matrix), len(matrix)
+    rows = scalar_rows(matrix, "an adjugate needs a square matrix: rows of scalars")
+    n = len(rows)
+    if any(len(row) != n for row in rows):
+        raise InputError(f"an adjugate needs a square matrix, not {n} rows of {sorted({len(row) for row in rows})}")
+    if any(hasattr(entry, "__len__") for row in rows for entry in row):
+        raise InputError("an adjugate needs a matrix of scalars, not of lists or arrays")
+    minors = Minors(rows)
     return [[minors.cofactor(row, column) for row in range(n)] for column in range(n)], minors.determinant
 
 

@@ -15,6 +15,7 @@ from nullbody.nullspace.scalar import is_zero
 __all__ = ["Lines", "chosen_lines", "products"]
 
 _LARGEST = 8  # the largest block for which orders are counted
+_STARTS = 6  # lines from which an order is grown
 _TRIALS = 30  # exchanges that are tried for a seed
 
 
@@ -38,12 +39,17 @@ def chosen_lines(matrix: Sequence[Sequence[Any]], driven: set[int], seed: int | 
     if not 2 < n <= _LARGEST:
         return Lines(_grown(rows, min(range(n), key=lambda k: rows[k].bit_count())), True)
     columns = [sum(1 << i for i in range(n) if rows[i] >> j & 1) for j in range(n)]
-    starts = [Lines(_grown(rows, k), True) for k in range(n)]
+    starts = [Lines(_grown(rows, k), True) for k in _sparsest(rows)]
     if len(driven) == n:  # rows cannot be spared: columns may be the cheaper lines
-        starts += [Lines(_grown(columns, k), False) for k in range(n)]
+        starts += [Lines(_grown(columns, k), False) for k in _sparsest(columns)]
     counts = [products(rows if lines.by_rows else columns, lines, driven) for lines in starts]
     best = starts[min(range(len(starts)), key=counts.__getitem__)]
     return best if seed is None else _exchanged(best, rows if best.by_rows else columns, driven, seed)
+
+
+def _sparsest(masks: Sequence[int]) -> list[int]:
+    """The lines from which an order may start."""
+    return sorted(range(len(masks)), key=lambda k: masks[k].bit_count())[:_STARTS]
 
 
 def _grown(masks: Sequence[int], first: int) -> tuple[int, ...]:

@@ -14,8 +14,11 @@ from typing import Any
 
 from nullbody.errors import InputError
 from nullbody.nullspace.call import null_space
+from nullbody.nullspace.given import scalar_rows
 
 __all__ = ["orthogonal_basis"]
+
+_WHAT = "orthogonal_basis takes one dense matrix: rows of scalars, an array (m, n) or a SymPy matrix"
 
 
 def orthogonal_basis(
@@ -37,26 +40,16 @@ def orthogonal_basis(
     Raises:
         InputError, SingularityError: as `null_space`; A is a stack of matrices, or sparse.
     """
-    rows = _rows(A)
-    first = null_space(rows, independent, method=method)
-    rows = [rows[i] for i in first.rows] or rows[:1]
+    if getattr(A, "ndim", 2) != 2 or hasattr(A, "tocsr"):
+        raise InputError(_WHAT)
+    rows = scalar_rows(A, _WHAT)
+    first = null_space(rows or A, independent, method=method)
+    rows = [rows[i] for i in first.rows] or [[0] * first.shape[0]]
     free = list(first.independent)
     columns: list[list[Any]] = []
     while free:
         basis = null_space(rows, free, "scaled" if scaled else "reduced", method).basis
-        columns.append([row[0] for row in _rows(basis)])
+        columns.append([row[0] for row in scalar_rows(basis, _WHAT)])
         rows.append(columns[-1])
         free.pop(0)
     return tuple(zip(*columns, strict=True))
-
-
-def _rows(matrix: Any) -> list[list[Any]]:
-    """A matrix as lists of scalars."""
-    if getattr(matrix, "ndim", 2) != 2 or hasattr(matrix, "tocsr"):
-        raise InputError("orthogonal_basis takes one dense matrix: rows of scalars, an array (m, n) or a SymPy matrix")
-    if hasattr(matrix, "tolist"):
-        matrix = matrix.tolist()
-    try:
-        return [list(row) for row in matrix]
-    except TypeError:
-        raise InputError("A must be a matrix: rows of scalars, an array (m, n) or a SymPy matrix") from None

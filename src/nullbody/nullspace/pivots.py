@@ -26,13 +26,13 @@ class Pivot:
     Attributes:
         rows, columns: where it stands.
         value: the pivot.
-        doubt: (length of what it was chosen from / pivot)^2; 0 for a constant, which cannot be doubted.
+        rivals: the entries of its column that it was chosen from; none for a constant.
     """
 
     rows: tuple[int]
     columns: tuple[int]
     value: Any
-    doubt: Any
+    rivals: tuple[Any, ...]
 
     @cached_property
     def inverse(self) -> Any:
@@ -42,6 +42,11 @@ class Pivot:
     def solved(self, y: Sparse) -> Sparse:
         """The unknown, by column."""
         return {self.columns[0]: y[self.rows[0]] * self.inverse}
+
+    @property
+    def doubt(self) -> Any:
+        """(length of the rivals / pivot)^2; 0 for a constant, which cannot be doubted."""
+        return dot(self.rivals, self.rivals) * (self.inverse * self.inverse) if self.rivals else 0
 
     @property
     def plain(self) -> bool:
@@ -99,42 +104,42 @@ class _Work:
             for j in rows[i]:
                 if j in self.places:
                     self.places[j].add(i)
+        self.best: dict[int, tuple[float, float, int, int]] = {}  # column -> (cost, tie, column, row) of its best pivot
+        self.changed = set(self.places)  # columns whose best pivot has to be found anew
 
     def cheapest(self) -> tuple[int, int] | None:
         """(row, column) of the pivot that makes the fewest operations, or None."""
-        best: tuple[float, float, int, int] | None = None
-        for j in sorted(self.places, key=lambda j: len(self.places[j])):
-            members = self.places[j]
-            if best is not None and (best[0] <= 0 or best[0] < len(members) - 1):  # longer columns seldom cost less
-                break
-            for i in members:
-                if self.constants and not is_constant(self.rows[i][j]):
-                    continue
-                cost = self._cost(i, j)
-                if best is None or cost <= best[0]:
-                    candidate = (cost, self.tie(), j, i)
-                    best = candidate if best is None else min(best, candidate)
-        return None if best is None else (best[3], best[2])
+        for j in sorted(self.changed & self.places.keys()):
+            costs = [
+                (self._cost(i, j), self.tie(), j, i)
+                for i in sorted(self.places[j])
+                if not self.constants or is_constant(self.rows[i][j])
+            ]
+            self.best.pop(j, None)
+            if costs:
+                self.best[j] = min(costs)
+        self.changed.clear()
+        _, _, j, i = min(self.best.values(), default=(0.0, 0.0, -1, -1))
+        return None if i < 0 else (i, j)
 
     def clear(self, i: int, j: int) -> tuple[Pivot, list[Shear]]:
         """Clear column j from the other rows with row i, which leaves the work."""
         value = self.rows[i][j]
         members = self.places.pop(j)
-        doubt: Any = 0
-        if not is_constant(value):
-            entries = [self.rows[k][j] for k in sorted(members)]
-            inverse = reciprocal(value)
-            doubt = dot(entries, entries) * (inverse * inverse)
+        self.best.pop(j, None)
+        rivals = () if is_constant(value) else tuple(self.rows[k][j] for k in sorted(members))
         steps = []
         for k in sorted(members - {i}):
             factor = self.rows[k].pop(j) * reciprocal(value)
             steps.append(Shear(k, i, factor))
             self._subtract(k, i, j, factor)
+        for k in members:
+            self.changed.update(self.rows[k])
         self.active.remove(i)
         for c in self.rows[i]:
             if c in self.places:
                 self.places[c].discard(i)
-        return Pivot((i,), (j,), value, doubt), steps
+        return Pivot((i,), (j,), value, rivals), steps
 
     def _subtract(self, k: int, i: int, pivot: int, factor: Any) -> None:
         row = self.rows[k]

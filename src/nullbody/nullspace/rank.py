@@ -15,6 +15,7 @@ from typing import Any
 from nullbody.errors import InputError
 from nullbody.expr import Exact, Expr, Graph
 from nullbody.expr.matrix import Matrix
+from nullbody.nullspace.given import checked_columns, scalar_rows
 from nullbody.nullspace.scalar import exact_rational
 from nullbody.nullspace.steps import Sparse, sparse_rows
 
@@ -44,11 +45,21 @@ class Echelon:
 def echelon(matrix: Matrix, columns: Sequence[int] | None = None) -> Echelon:
     """Echelon form by witnesses, pivots taken in the given order of columns.
 
+    Args:
+        matrix: rows of one length, of int, Fraction and expressions of one graph.
+        columns: the columns in which pivots are looked for, in order; all by default.
+
     Raises:
-        InputError: scalars without an exact witness (floats, SymPy expressions).
+        InputError: ragged rows, scalars without an exact witness (floats, SymPy expressions), or wrong columns.
     """
-    order = columns if columns is not None else range(len(matrix[0]) if matrix else 0)
-    return sparse_echelon(sparse_rows(matrix), order)
+    rows = scalar_rows(matrix, "an echelon form needs rows of exact numbers or expressions of a graph")
+    n = len(rows[0]) if rows else 0
+    if any(len(row) != n for row in rows):
+        raise InputError("an echelon form needs rows of equal length")
+    graphs = {id(entry.graph) for row in rows for entry in row if isinstance(entry, Expr)}
+    if len(graphs) > 1:
+        raise InputError("an echelon form needs expressions of one graph: write all entries in one")
+    return sparse_echelon(sparse_rows(rows), range(n) if columns is None else checked_columns(columns, n, "pivot"))
 
 
 def sparse_echelon(rows: Sequence[Sparse], columns: Sequence[int]) -> Echelon:

@@ -71,6 +71,7 @@ class _Entry(NamedTuple):
     value: int
     inverse: int
     cost: float
+    constant: bool
 
 
 class _Improvement(NamedTuple):
@@ -180,23 +181,24 @@ class _Search:
 
     def improvement(self, i: int, k: int) -> _Improvement:
         """The best factor f for which row i - f row k is cheaper than row i; no gain where there is none."""
-        one, two = self.rows[i], self.rows[k]
-        shared = [j for j in two if j in one]
-        new = len(two) - len(shared)
-        best, before = _NOTHING, sum(one[j].cost for j in shared)
-        tried: set[int] = set()
-        for j in shared:
-            residue = one[j].value * two[j].inverse % self.prime
-            if residue in tried or residue not in self.known.factors:
+        one, two, prime, factors = self.rows[i], self.rows[k], self.prime, self.known.factors
+        shared = [(one[j], two[j]) for j in two if j in one]
+        candidates = {residue for a, b in shared if (residue := a.value * b.inverse % prime) in factors}
+        if not candidates:
+            return _NOTHING
+        fresh = [entry for j, entry in two.items() if j not in one]
+        best, before = _NOTHING, sum([a.cost for a, _ in shared])
+        for residue in sorted(candidates):
+            values = [(a.value - residue * b.value) % prime for a, b in shared]
+            if len(fresh) > 1 + values.count(0):
                 continue
-            tried.add(residue)
-            values = {j: (one[j].value - residue * two[j].value) % self.prime for j in shared}
-            if new > 1 + sum(not value for value in values.values()):
-                continue
-            after = sum(self._shared_cost(one[j], two[j], value) for j, value in values.items() if value)
-            after += sum(self._new_cost(two[j], residue) for j in two if j not in one) if new else 0.0
-            if before - after > best.gain:
-                best = _Improvement(self.known.factors[residue], residue, before - after)
+            gain = before - sum([self._new_cost(entry, residue) for entry in fresh])
+            for (a, b), value in zip(shared, values, strict=True):
+                if gain <= best.gain:
+                    break
+                gain -= self._shared_cost(a, b, value) if value else 0.0
+            if gain > best.gain:
+                best = _Improvement(factors[residue], residue, gain)
         return best
 
     def subtract(self, i: int, k: int, step: _Improvement) -> None:
@@ -242,14 +244,14 @@ class _Search:
         if op != "mul":
             return _UNIT, ref
         (one, left), (two, right) = self._split(a), self._split(b)
-        product = one * two
-        if product == _UNIT:
-            return product, ref
+        product = one if two is _UNIT else two if one is _UNIT else one * two
+        if product is _UNIT or product == _UNIT:
+            return _UNIT, ref
         return (-product if ref & 1 else product), self.graph.multiply(left, right)
 
     def _shared_cost(self, one: _Entry, two: _Entry, value: int) -> float:
         """What an entry with this value, a difference of two entries, costs."""
-        if self._constant(one) and self._constant(two):
+        if one.constant and two.constant:
             return self.known.weights.constant
         known = self._multiple(value, one, two)
         if known is not None:
@@ -259,13 +261,10 @@ class _Search:
 
     def _new_cost(self, two: _Entry, residue: int) -> float:
         """What the multiple of an entry costs where there was none."""
-        if self._constant(two):
+        if two.constant:
             return self.known.weights.constant
         known = self._multiple(residue * two.value % self.prime, None, two)
         return known.cost if known else two.cost + self.known.weights.operation
-
-    def _constant(self, entry: _Entry) -> bool:
-        return self.graph.constant_of(entry.ref) is not None
 
     def _multiple(self, value: int, one: _Entry | None, two: _Entry) -> _Known | None:
         """A small multiple of an existing expression with this value, in the symbols of the two entries."""
@@ -274,7 +273,8 @@ class _Search:
 
     def _entry(self, ref: int) -> _Entry:
         value = self.graph.value(ref)
-        return _Entry(ref, value, pow(value, -1, self.prime), self.known.cost(ref))
+        constant = self.graph.constant_of(ref) is not None
+        return _Entry(ref, value, pow(value, -1, self.prime), self.known.cost(ref), constant)
 
 
 _UNIT = Exact.of(1)

@@ -98,6 +98,7 @@ def _fraction_of_one(name: str) -> float:
 def _inputs(names: Sequence[str], points: Sequence[Mapping[str, float]]) -> list[FloatArray]:
     """For every name its values at the points."""
     known = set(names)
+    points = [_by_name(point) for point in points]
     for point in points:
         for name, value in point.items():
             if name not in known:
@@ -106,6 +107,13 @@ def _inputs(names: Sequence[str], points: Sequence[Mapping[str, float]]) -> list
                 raise InputError(f"the point: {name} must be a finite number, not {value!r}")
     generic = generic_point(names)
     return [np.array([float(point.get(name, generic[name])) for point in points]) for name in names]
+
+
+def _by_name(point: Any) -> dict[str, Any]:
+    """A point with names for keys; SymPy's symbols are known by theirs."""
+    if not isinstance(point, Mapping):
+        raise InputError(f"a point is a mapping from symbols to numbers, not {point!r}")
+    return {str(name): value for name, value in point.items()}
 
 
 def _real(value: Any) -> bool:

@@ -11,6 +11,7 @@ columns, and keeps its accuracy however close to |B| = 0 some of them are.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -41,9 +42,12 @@ def better_chart(values: ArrayLike, independent: Sequence[int], bound: float = 1
         bound: the largest subspace error [rad] that is borne.
 
     Raises:
-        InputError: no matrix of finite numbers, or columns that are wrong or too few for its rank.
+        InputError: no matrix of finite numbers, columns that are wrong or too few for its rank, or a bound that is no
+            positive number.
         SingularityError: the rank of A itself drops at this state, so that no columns will do.
     """
+    if isinstance(bound, bool) or not isinstance(bound, Real) or not bound > 0:
+        raise InputError(f"bound is an angle [rad], a number above 0, not {bound!r}")
     matrices = Matrices.of(values)
     if not matrices.single:
         raise InputError(f"expected A at one state, m x n, not {len(matrices)} matrices")

@@ -8,17 +8,18 @@ in the order of A's columns. Source: bracketed numbers are equations of the 2020
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, final
 
-from nullbody.errors import InputError
+from nullbody.errors import InputError, UnknownName
 from nullbody.expr import Expr, Graph, Operations, operations
+from nullbody.expr.matrix import total
 from nullbody.nullspace.elimination import Elimination
 from nullbody.nullspace.given import Given
-from nullbody.nullspace.result import Form, NullSpace
-from nullbody.nullspace.scalar import is_zero
+from nullbody.nullspace.result import FORMS, Form, NullSpace
+from nullbody.nullspace.scalar import is_constant, is_zero
 from nullbody.nullspace.steps import Sparse, dense_rows
 from nullbody.tolerances import EPS
 
@@ -30,9 +31,13 @@ __all__ = ["Rows", "SymbolicNullSpace"]
 Rows = tuple[tuple[Any, ...], ...]
 
 
-@dataclass(frozen=True, repr=False)
+@final
+@dataclass(frozen=True, eq=False, repr=False)
 class SymbolicNullSpace(NullSpace):
-    """A null space with its factors; every form of the basis is made when it is asked for."""
+    """A null space with its factors; every form of the basis is made when it is asked for.
+
+    The basis in its own form may be there already, in fewer operations than the factors make it (`search`).
+    """
 
     form: Form
     method: str
@@ -43,6 +48,7 @@ class SymbolicNullSpace(NullSpace):
     _factors: Elimination
     _repeating: tuple[Sparse, ...]
     _given: Given
+    _basis: Rows | None = None
 
     @property
     def delta(self) -> Any:
@@ -50,17 +56,27 @@ class SymbolicNullSpace(NullSpace):
         return self._given.outward(self._factors.delta)
 
     def in_form(self, form: Form) -> Any:
-        """The basis in one of `FORMS`, n x d, in the scalars that A had."""
+        """The basis in one of `FORMS`, n x d, in the scalars that A had.
+
+        Raises:
+            UnknownName: there is no such form.
+        """
+        self._require(form)
         if form not in self._shown:
             rows = tuple(tuple(self._given.outward(entry) for entry in row) for row in self.inward(form))
             self._shown[form] = self._given.frame(rows)
         return self._shown[form]
 
     def inward(self, form: Form) -> Rows:
-        """The basis in the scalars in which it was made, whatever A was made of."""
+        """The basis in the scalars in which it was made, whatever A was made of; errors as `in_form`."""
+        self._require(form)
         if form not in self._made:
             self._made[form] = self._of_form(form)
         return self._made[form]
+
+    def _require(self, form: Form) -> None:
+        if form not in tuple(FORMS):
+            raise UnknownName("form", form, FORMS)
 
     def _of_form(self, form: Form) -> Rows:
         if form == "reduced":
@@ -74,7 +90,7 @@ class SymbolicNullSpace(NullSpace):
 
     @cached_property
     def _made(self) -> dict[str, Rows]:
-        return {}
+        return {} if self._basis is None else {self.form: self._basis}
 
     @cached_property
     def _shown(self) -> dict[str, Any]:
@@ -91,6 +107,11 @@ class SymbolicNullSpace(NullSpace):
         Args:
             c: one entry for each row of A, or of `simplified`.
             of_simplified: whether c belongs to the rows of `simplified`, where it is often cheaper.
+
+        Raises:
+            InputError: another number of entries, no scalars of A's kind, or a redundant row that c does not repeat.
+                Where what is missing is an expression, not a number, nothing is raised: it may be zero where it
+                matters, as in c = A' q' with A q' = 0.
         """
         found = self._factors.solve(self._right(c, of_simplified), of_simplified=of_simplified)
         return tuple(self._given.outward(entry) for entry in self._placed(found))
@@ -102,24 +123,33 @@ class SymbolicNullSpace(NullSpace):
     def _right(self, c: Sequence[Any], of_simplified: bool) -> list[Any]:
         if of_simplified:
             return list(c)
-        m = len(self.rows) + len(self.redundant)
-        if len(c) != m:
-            raise InputError(f"c has {len(c)} entries, A has {m} rows: give one for each")
-        given = [self._given.inward(entry) for entry in c]
-        for i in self.redundant if self._given.kind == "numbers" else ():
-            expected = sum(factor * given[k] for k, factor in self._combinations[i].items())
-            if given[i] != expected:
+        given = self._inward(c, len(self.rows) + len(self.redundant), "c", "rows")
+        for i in self.redundant:
+            expected = total(factor * given[k] for k, factor in self._combinations[i].items())
+            difference = total((given[i], -expected))
+            if is_constant(difference) and not is_zero(difference):
                 raise InputError(
                     f"row {i} of A repeats others, its entry of c does not: {given[i]} is not {expected}; "
                     "A gamma + c = 0 has no solution"
                 )
         return [given[i] for i in self.rows]
 
+    def _inward(self, vector: Any, count: int, name: str, lines: str) -> list[Any]:
+        """A vector of the caller's scalars, one for each of A's rows or columns, in the scalars of the factors."""
+        try:
+            entries = None if isinstance(vector, Mapping | Set | str) else list(vector)
+        except TypeError:
+            entries = None
+        if entries is None:
+            raise InputError(f"{name} must be a list of {count} scalars, one for each of A's {lines}")
+        if len(entries) != count:
+            raise InputError(f"{name} has {len(entries)} entries, A has {count} {lines}: give one for each")
+        return [self._given.inward(entry) for entry in entries]
+
     def multipliers(self, force: Sequence[Any]) -> tuple[Any, ...]:
         """lambda with A^T lambda = force in the dependent places: lambda = B^-T force_B; 0 for redundant rows."""
-        if len(force) != self.shape[0]:
-            raise InputError(f"the force has {len(force)} entries, A has {self.shape[0]} columns: give one for each")
-        found = self._factors.solve_transposed([self._given.inward(force[j]) for j in self.dependent])
+        given = self._inward(force, self.shape[0], "the force", "columns")
+        found = self._factors.solve_transposed([given[j] for j in self.dependent])
         values = dict(zip(self.rows, found, strict=True))
         return tuple(values.get(i, 0) for i in range(len(self.rows) + len(self.redundant)))
 
@@ -201,6 +231,10 @@ class SymbolicNullSpace(NullSpace):
         from nullbody.nullspace.function import function_of
 
         return function_of(self)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> SymbolicNullSpace:
+        """The same: it does not change, and its expressions stay in the graph of those of A."""
+        return self
 
     def _assembled(self, columns: list[list[Any]], unit: Any) -> Rows:
         n = len(self.dependent) + len(self.independent)

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from nullbody.errors import InputError
-from nullbody.nullspace.numeric.equilibrate import finite_numbers
+from nullbody.nullspace.numeric.equilibrate import Array, finite_numbers
+from nullbody.tolerances import EPS
 
 __all__ = ["subspace_angle"]
 
@@ -27,7 +28,7 @@ def subspace_angle(N1: ArrayLike, N2: ArrayLike) -> Any:
         A float, or an array (k,).
 
     Raises:
-        InputError: different sizes, or entries that are not finite.
+        InputError: different sizes, entries that are not finite, or dependent columns.
 
     Source: A. Bjorck, G. H. Golub, Mathematics of Computation 27 (1973) 579-594.
     """
@@ -39,7 +40,7 @@ def subspace_angle(N1: ArrayLike, N2: ArrayLike) -> Any:
     if 0 in first.shape[-2:]:
         stacks = [len(basis) for basis in (first, second) if basis.ndim == 3]
         return np.zeros(stacks[0]) if stacks else 0.0
-    Q1, Q2 = np.linalg.qr(first)[0], np.linalg.qr(second)[0]
+    Q1, Q2 = _orthonormal(first, "N1"), _orthonormal(second, "N2")
     cosines = Q1.conj().swapaxes(-1, -2) @ Q2
     rest = Q2 - Q1 @ cosines
     rest = rest - Q1 @ (Q1.conj().swapaxes(-1, -2) @ rest)  # once more: the first projection left rounding
@@ -47,3 +48,12 @@ def subspace_angle(N1: ArrayLike, N2: ArrayLike) -> Any:
     cosine = np.minimum(np.linalg.svd(cosines, compute_uv=False)[..., -1], 1)
     angle = np.where(sine**2 < 0.5, np.arcsin(sine), np.arccos(cosine))
     return angle if angle.ndim else float(angle)
+
+
+def _orthonormal(N: Array, name: str) -> Array:
+    """An orthonormal basis of the space that the columns span."""
+    size = abs(N).max(axis=-2, keepdims=True)
+    Q, R = np.linalg.qr(N / np.where(size > 0, size, 1))
+    if R.shape[-2] < R.shape[-1] or (abs(np.diagonal(R, axis1=-2, axis2=-1)) <= EPS).any():
+        raise InputError(f"the columns of {name} are dependent to rounding: they are no basis")
+    return np.asarray(Q)

@@ -24,6 +24,6 @@ def determinants(stack: Array, exponents: IndexArray) -> Array:
 def relative_determinants(stack: Array) -> FloatArray:
     """|det B| over the product of the lengths of B's columns: 1 for orthogonal columns, 0 for dependent ones."""
     size = np.linalg.slogdet(stack)[1]
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):
         lengths = np.log(np.linalg.norm(stack, axis=1)).sum(axis=1)
-    return np.exp(np.where(np.isfinite(size), size - lengths, -np.inf))
+        return np.exp(np.where(np.isfinite(size), size - lengths, -np.inf))

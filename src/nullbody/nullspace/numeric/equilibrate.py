@@ -7,6 +7,7 @@ largest entry in [1/2, 1), exactly: only its exponent changes. (An entry below 1
 from __future__ import annotations
 
 from dataclasses import dataclass
+from numbers import Number
 from typing import Any
 
 import numpy as np
@@ -85,9 +86,13 @@ def finite_numbers(given: ArrayLike, name: str) -> tuple[Array, np.dtype[Any]]:
     Raises:
         InputError: entries that are no numbers, NaN or infinite; the message says where.
     """
+    if np.ma.is_masked(given):
+        raise InputError(f"{name} has masked entries: fill them with .filled(value), or leave out their rows")
     try:
         array = np.asarray(given)
-    except ValueError as error:
+        if array.dtype == object and all(isinstance(x, Number) and not isinstance(x, bool) for x in array.flat):
+            array = array.astype(complex if any(isinstance(x, complex) for x in array.flat) else float)
+    except (ValueError, TypeError, OverflowError) as error:
         raise InputError(f"{name} is no array of numbers: {error}") from None
     if array.dtype.kind not in "iufc":
         raise InputError(f"{name} must hold real or complex numbers, not {array.dtype}")

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from nullbody.errors import InputError
+from nullbody.nullspace.given import checked_tolerance
 from nullbody.nullspace.numeric.equilibrate import Array, Matrices
 from nullbody.typing import FloatArray, IndexArray
 
@@ -27,11 +28,10 @@ def relative_tolerance(matrices: Matrices, given: float | None = None) -> float:
     Raises:
         InputError: the given one is not in 0..1.
     """
+    given = checked_tolerance(given)
     if given is None:
         return float(np.finfo(matrices.dtype).eps) * max(*matrices.shape, 10)
-    if isinstance(given, bool) or not 0 < given < 1:
-        raise InputError(f"the tolerance is relative: a number above 0 and below 1, not {given!r}")
-    return float(given)
+    return given
 
 
 def one_rank(ranks: IndexArray, matrices: Matrices) -> int:

@@ -148,7 +148,7 @@ class NullSpaceStack:
             UnknownName: there is no such form.
             InputError: the form is "scaled" and |B| or N~ leaves the range of the type.
         """
-        if form not in FORMS:
+        if form not in tuple(FORMS):
             raise UnknownName("form", form, FORMS)
         if form not in self._bases:
             self._bases[form] = self._made(form)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any, final
@@ -26,6 +27,7 @@ from nullbody.tolerances import EPS
 __all__ = ["SparseNullSpace"]
 
 #: Entries of a basis that can be read as symbols or LaTeX.
+_CONSISTENT = 1e3  # times the tolerance: what A gamma + c may leave
 _READABLE = 400
 
 
@@ -64,7 +66,7 @@ class SparseNullSpace(NullSpace):
     def check(self, form: Form) -> None:
         """Raise the errors of `in_form` that can be told before anything is made."""
         n, d = self.shape
-        if form not in FORMS:
+        if form not in tuple(FORMS):
             raise UnknownName("form", form, FORMS)
         if form in ("orthogonal", "orthonormal") and n * d > DENSE_ENTRIES:
             raise InputError(
@@ -146,15 +148,29 @@ class SparseNullSpace(NullSpace):
         """gamma (n,) with A gamma + c = 0 and zeros in the independent places: gamma = [-B^-1 c; 0].
 
         Args:
-            c: one number for each row of A; those of redundant rows are taken to repeat the others as the rows do.
+            c: one number for each row of A; those of redundant rows repeat the others as the rows do.
+
+        Raises:
+            InputError: c has another size, or A gamma + c = 0 has no solution.
         """
         given = np.asarray(c)
+        if given.dtype == object:
+            given = np.array([float(entry) if isinstance(entry, Fraction) else entry for entry in given.ravel()])
         m = self._given.shape[0]
         if given.shape != (m,) or given.dtype.kind not in "biufc" or not np.isfinite(given).all():
             raise InputError(f"c must hold {m} finite numbers, one for each row of A, not shape {given.shape}")
         right = shifted(-np.asarray(given, np.result_type(given, float)), -self._given.exponents)[:, None]
         gamma = self._factors.solve(right)
-        return (gamma + self._factors.solve(right - self._given.matrix @ gamma))[:, 0]
+        gamma = gamma + self._factors.solve(right - self._given.matrix @ gamma)
+        left = abs(right - self._given.matrix @ gamma)[:, 0]
+        size = (abs(self._given.matrix) @ abs(gamma))[:, 0] + abs(right)[:, 0]
+        if (left > _CONSISTENT * self._tolerance * size.max(initial=0.0)).any():
+            row = int(np.argmax(left))
+            raise InputError(
+                f"A gamma + c = 0 has no solution: row {row} of A repeats others, its entry of c does not by "
+                f"{left[row] / max(float(size.max()), 1e-300):.1e} relative"
+            )
+        return gamma[:, 0]
 
     @property
     def operations(self) -> Operations | None:
