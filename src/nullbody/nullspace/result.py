@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Literal
 
 from nullbody.expr import Operations
@@ -21,6 +22,7 @@ FORMS: Mapping[str, str] = {
 }
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class NullSpace(ABC):
     """A basis of the null space of A (m x n, rank r), n x d with d = n - r.
 

@@ -39,12 +39,6 @@ class SymbolicNullSpace(NullSpace):
     The basis in its own form may be there already, in fewer operations than the factors make it (`search`).
     """
 
-    form: Form
-    method: str
-    independent: tuple[int, ...]
-    dependent: tuple[int, ...]
-    rows: tuple[int, ...]
-    redundant: tuple[int, ...]
     _factors: Elimination
     _repeating: tuple[Sparse, ...]
     _given: Given

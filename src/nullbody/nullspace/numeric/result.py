@@ -27,12 +27,6 @@ __all__ = ["ArrayNullSpace"]
 class ArrayNullSpace(NullSpace):
     """A null space in floating point; see `NullSpace` for what it holds. Arrays are read-only."""
 
-    form: Form
-    method: str
-    independent: tuple[int, ...]
-    dependent: tuple[int, ...]
-    rows: tuple[int, ...]
-    redundant: tuple[int, ...]
     _stack: NullSpaceStack
 
     @classmethod

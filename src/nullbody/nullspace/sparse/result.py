@@ -40,12 +40,6 @@ class SparseNullSpace(NullSpace):
     "orthonormal". Nothing of it is made before it is asked for; `move` and `offset` need the factors only.
     """
 
-    form: Form
-    method: str
-    independent: tuple[int, ...]
-    dependent: tuple[int, ...]
-    rows: tuple[int, ...]
-    redundant: tuple[int, ...]
     _given: Scaled
     _factors: Factors
     _places: tuple[int, ...]
