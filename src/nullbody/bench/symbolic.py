@@ -40,6 +40,8 @@ def own_rows(part: str, make: Callable[[], Matrix], ways: Iterable[str], setting
     rows: list[Row] = []
     for name in ways:
         way = WAYS[name]
+        if way.searched and not settings.search:
+            continue
         found = derived(make, way, settings.repeats, settings.patience, settings.search)
         rows.append(
             Row(

@@ -17,20 +17,31 @@ def perfect_matching(columns_of: Sequence[Sequence[int]]) -> list[int] | None:
     Args:
         columns_of: for every row the columns of its non-zero entries.
     """
-    n = len(columns_of)
-    row_of = [-1] * n
+    row_of = [-1] * len(columns_of)
+    return row_of if all(_augmented(columns_of, row_of, row) for row in range(len(columns_of))) else None
 
-    def augment(row: int, seen: set[int]) -> bool:
-        for column in columns_of[row]:
-            if column in seen:
-                continue
-            seen.add(column)
-            if row_of[column] < 0 or augment(row_of[column], seen):
-                row_of[column] = row
-                return True
-        return False
 
-    return row_of if all(augment(row, set()) for row in range(n)) else None
+def _augmented(columns_of: Sequence[Sequence[int]], row_of: list[int], row: int) -> bool:
+    """Give a row a column, moving others along a path that is searched without recursion; False if none can."""
+    came_from: dict[int, tuple[int, int]] = {}  # row -> (row before it on the path, the column that it gives up)
+    seen: set[int] = set()
+    pending = [row]
+    while pending:
+        current = pending.pop()
+        free = next((column for column in columns_of[current] if row_of[column] < 0), None)
+        if free is None:
+            for column in columns_of[current]:
+                if column not in seen:
+                    seen.add(column)
+                    came_from[row_of[column]] = current, column
+                    pending.append(row_of[column])
+            continue
+        row_of[free] = current
+        while current != row:
+            current, column = came_from[current]
+            row_of[column] = current
+        return True
+    return False
 
 
 def block_triangular(columns_of: Sequence[Sequence[int]]) -> list[tuple[list[int], list[int]]] | None:
