@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from nullbody.bench.settings import PARTS, Settings
+
 LINE = "bench nullspace --quick --limit 0 --only symbolic"
 
 
@@ -22,6 +24,12 @@ def test_bench_writes_files_and_makes_their_folder(nullbody, tmp_path: Path) -> 
     assert {row["part"] for row in found["rows"]} == {"symbolic"}
     assert "operations for N, 3-PRS generic" in (tmp_path / "out" / "bench.html").read_text(encoding="utf-8")
     assert "written: out/bench.json" in ended.err
+
+
+def test_help_shows_the_default_limits(nullbody) -> None:
+    text = " ".join(nullbody("bench --help").out.split())
+    assert f"({Settings.full().limit:g}; quick: {Settings.quick().limit:g})" in text
+    assert all(part in text for part in PARTS)
 
 
 def test_bench_prints_json_alone(nullbody) -> None:

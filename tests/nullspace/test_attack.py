@@ -98,6 +98,15 @@ def test_no_arguments(A: Any, arguments: Any, message: str) -> None:
         null_space(A, **arguments)
 
 
+def test_only_expressions_are_searched() -> None:
+    exact, array, matrix, symbols = KINDS
+    for A in (array, matrix):
+        with pytest.raises(InputError, match="search is for expressions"):
+            null_space(A, search=5)
+    assert null_space(exact, search=5).basis == null_space(exact).basis
+    assert null_space(symbols, search=1).rank == 2
+
+
 def test_a_form_that_is_none_is_not_taken_for_orthonormal() -> None:
     for A in (KINDS[0], KINDS[1], KINDS[3]):
         with pytest.raises(UnknownName, match="did you mean 'orthonormal'"):

@@ -147,6 +147,8 @@ def test_candidates_limit_and_progress() -> None:
     found = charts(small(), columns=[3, 1, 0], progress=seen.append)
     assert [chart.independent for chart in found] == [(0, 1), (0, 3), (1, 3)]
     assert seen == [1, 2, 3]
+    with pytest.raises(InputError, match="about 1e119 choices of 200 of 400 columns"):
+        charts(np.eye(200, 400))
     with pytest.raises(InputError, match="6 choices of 2 of 4 columns, more than the limit of 5: restrict"):
         charts(A, limit=5)
     with pytest.raises(InputError, match=r"columns= must hold at least 2, not \[1\]"):

@@ -187,3 +187,16 @@ def test_sympy_stand_ins_are_arguments_and_pi_is_not() -> None:
     assert (f(q=2.0, x=3.0, exp=5.0) == named).all()
     assert (f({q: 2.0, x: 3.0, sympy.exp(x): 5.0}) == named).all()
     assert named[0] == pytest.approx([-1.5 * np.pi, -2.5], rel=1e-15)
+
+
+def test_symbols_that_are_no_arguments_are_explained() -> None:
+    a, b, x = sympy.symbols("a b x")
+    f = null_space(sympy.Matrix([[a, a * b, 2 * a]])).to_function()
+    with pytest.raises(UnknownName, match="'a' cancels out of this basis"):
+        f(a=1, b=2)
+    with pytest.raises(UnknownName, match="'a' cancels out of this basis"):
+        null_space(sympy.Matrix([[a, 2 * a]])).to_function()(a=1)
+    f = null_space(sympy.Matrix([[1, sympy.exp(x), a]])).to_function()
+    with pytest.raises(UnknownName, match=r"exp\(x\) is an argument of its own: give its value"):
+        f(x=1, a=2)
+    assert f({"exp(x)": 3, "a": 2})[0].tolist() == [-3, -2]

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+import sympy as sp
+from scipy import sparse
 from scipy.optimize import brentq
 
 from nullbody.errors import InputError, SingularityError
@@ -91,5 +93,10 @@ def test_what_cannot_be_helped_is_named() -> None:
         better_chart([[1.0, 2, 3], [2, 5, 6]], [0, 1])
     with pytest.raises(InputError, match=r"distinct and in 0\.\.2"):
         better_chart([[1.0, 2, 3]], [0, 3])
+    for A in (sp.Matrix([[1, sp.Symbol("x"), 3]]), sparse.eye_array(1, 3, format="csr")):
+        with pytest.raises(InputError, match=r"A needs numbers at one state: .* A\.toarray\(\) of a sparse matrix"):
+            better_chart(A, [1, 2])
+    with pytest.raises(InputError, match=r"N1 needs numbers"):
+        subspace_angle(sparse.eye_array(3, 2, format="csr"), np.eye(3, 2))
     with pytest.raises(InputError, match="one state"):
         better_chart(np.ones((2, 1, 3)), [0, 1])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from nullbody.bench.result import Accuracy, Benchmark, Pair, Row, Worst
@@ -29,6 +29,7 @@ class Table:
     note: str = ""
 
 
+_LOST = 0.5  # the sine from which on nothing is left of a subspace
 _ROW_HEAD = ("method", ">times ours", ">time", ">spread", ">operations", ">|A N|", "remark")
 _NOTES = {
     "symbolic": "Times to derive N of symbols; operations after common parts are shared. |A N| relative, at a state of "
@@ -98,19 +99,24 @@ def accuracy_table(found: Benchmark) -> Table:
     """The subspace error by distance from |B| = 0."""
     distances = list(found.deltas)
     rows = [_accuracy_cells(entry, distances) for entry in found.accuracy]
-    head = ("method", *(f">{distance:g} m" for distance in distances), ">|A N|", ">|cos|")
+    head = ("method", *(f">{distance:.0e}" if distance else ">0" for distance in distances), ">|A N|", ">|cos|")
     note = (
-        "Sine of the angle to the exact null space (rational arithmetic), by distance from |B| = 0; A keeps its rank. "
-        "|A N|, the largest of the row, shows nothing of it. |cos|: the largest between two columns."
+        "Sine of the angle to the exact null space (rational arithmetic); lost: 0.5 or more. Distance: displacement of "
+        "the platform's height y from the state with |B| = 0; A keeps its rank there. |A N|: largest over all "
+        "distances; small even where the subspace is lost (Liang-Lance excepted). |cos|: largest between two columns; "
+        "1: two columns parallel. Read: every fixed choice of columns loses digits alike; free choice and orthonormal "
+        "bases (but Liang-Lance's) do not."
     )
-    return Table("accuracy", "3-PRS near |B| = 0: error of the subspace", head, tuple(rows), note)
+    return Table("accuracy", "3-PRS: error of the subspace by distance [m] from |B| = 0", head, tuple(rows), note)
 
 
 def _accuracy_cells(entry: Accuracy, distances: Sequence[float]) -> tuple[str, ...]:
-    errors = (f"{entry.errors[distance]:.0e}" if entry.errors[distance] < 0.5 else "lost" for distance in distances)
-    largest = (max((x for x in found.values() if math.isfinite(x)), default=math.nan)
-               for found in (entry.residuals, entry.orthogonality))  # fmt: skip
-    return (entry.method, *errors, *(f"{x:.0e}" for x in largest))
+    errors = (f"{entry.errors[distance]:.0e}" if entry.errors[distance] < _LOST else "lost" for distance in distances)
+    return (entry.method, *errors, f"{_largest(entry.residuals):.0e}", f"{_largest(entry.orthogonality):.2f}")
+
+
+def _largest(found: Mapping[float, float]) -> float:
+    return max((x for x in found.values() if math.isfinite(x)), default=math.nan)
 
 
 def worst_table(found: Iterable[Worst]) -> Table:
@@ -119,8 +125,9 @@ def worst_table(found: Iterable[Worst]) -> Table:
         (entry.method, f"{entry.residual:.1e}", str(entry.states), f"{entry.error:.1e}", str(entry.exact))
         for entry in found
     )
-    head = ("method", ">largest |A N|", ">of states", ">largest subspace error", ">of states")
-    return Table("accuracy", "3-PRS, random regular states: the worst", head, rows)
+    head = ("method", ">largest |A N|", ">states", ">largest subspace error", ">states")
+    note = "Compiled: A to N; from the state: q to N."
+    return Table("accuracy", "3-PRS, random regular states: the worst", head, rows, note)
 
 
 def _chain_tables(rows: Sequence[Row]) -> list[Table]:

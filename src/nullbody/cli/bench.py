@@ -30,11 +30,19 @@ _SUBJECTS = ("nullspace",)
 Subject = Annotated[str, typer.Argument(metavar="SUBJECT", help="What is measured: nullspace.")]
 Quick = Annotated[bool, typer.Option("--quick", help="The main rows only: half a minute instead of four.")]
 Only = Annotated[
-    Values, typer.Option("--only", metavar="PART,...", help="Of symbolic, numeric, accuracy, chains, random.")
+    Values,
+    typer.Option(
+        "--only",
+        metavar="PART,...",
+        help="Of symbolic (time to derive), numeric (time per matrix), accuracy (error near |B| = 0), chains and "
+        "random (growth with size).",
+    ),
 ]
 Limit = Annotated[
     float | None,
-    typer.Option("--limit", metavar="SECONDS", help="Stop each method of another tool after this; 0 leaves them out."),
+    typer.Option(
+        "--limit", metavar="SECONDS", help="Stop each method of another tool after this (8; quick: 2); 0 omits them."
+    ),
 ]
 JsonFile = Annotated[
     Path | None, typer.Option("--json", metavar="FILE", help="Write all figures as JSON; - for stdout.")
@@ -108,7 +116,8 @@ def _print(table: Table) -> None:
     from rich.console import Console
     from rich.table import Table as Printed
 
-    printed = Printed(box=SIMPLE_HEAD, pad_edge=False, title=table.title, title_justify="left", title_style="bold")
+    printed = Printed(box=SIMPLE_HEAD, pad_edge=False, collapse_padding=True, title=table.title)
+    printed.title_justify, printed.title_style = "left", "bold"
     printed.caption, printed.caption_justify = table.note or None, "left"
     for head in table.head:
         right = head.startswith(">")

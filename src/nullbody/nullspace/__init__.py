@@ -3,22 +3,32 @@
 To be read in this order:
 
     given        what is given: numbers, expressions, SymPy, arrays, stacks, sparse matrices
+    scalar       what the method needs to know of an entry: zero, constant, inverse
+    steps        row operations, and what they do to right-hand sides
+    plan         the choices that change only how many operations a null space takes
     rank         which rows are independent, which columns can be dependent: the echelon form, by value
-    steps, rows  constant row operations that make rows cheaper
+    roots        the same where there are square roots, which values in a prime field cannot see through
+    rows         constant row operations that make rows cheaper
     pivots       constants first; expressions where a block is large
     structure    the block-triangular form of what is left
-    minors       determinant and adjugate of a block without a division; `order` finds the cheap way to expand
+    minors       determinant and adjugate of a block without a division
+    order        the cheap way to expand a block by minors
     elimination  all of it together: B x = r, |B|, adj(B) r, B^-T r
     symbolic     N, N~, gamma, delta of exact numbers and expressions: `SymbolicNullSpace`
-    plan, search the same null space with fewer operations
-    gram         orthogonal and orthonormal bases; `orthogonal` is the paper's own procedure
+    search       the same null space with fewer operations: other plans
+    gram         orthogonal and orthonormal bases
+    orthogonal   the paper's own procedure for them
     derivative   N', N~', and the rates of orthogonal bases along a motion
-    charts       every choice of independent columns with its cost and its condition; `switch` when to change
+    residue      a null space over a field: of Fractions, or modulo a prime
+    sample       expressions and exact numbers as doubles at points
+    atlas        the charts of a null space, sorted by what they cost or by how good they are
+    charts       every choice of independent columns with its cost and its condition
+    switch       when to change the independent columns, and to which
     function     a basis as native code, for one state or a batch
     numeric      arrays and stacks: complete pivoting, LU, Householder QR, singular values, generated kernels
     sparse       large sparse matrices
-
-`call.null_space` is the one call for all of them; `result.NullSpace` is what it returns.
+    call         `null_space`, the one call for all of them
+    result       `NullSpace`, what it returns
 """
 
 from nullbody.nullspace.atlas import Atlas, Chart

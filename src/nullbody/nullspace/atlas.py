@@ -28,7 +28,7 @@ class Chart:
         operations: what N takes; None for numbers, and where the chart is singular.
         scaled_operations: what N~ = |B| N takes, likewise.
         condition: the largest singular value of N at the point or, of several points, at the worst one; infinite where
-            |B| = 0 to rounding there.
+            |B| = 0 to rounding there, that is beyond 1 / (n eps).
     """
 
     independent: tuple[int, ...]

@@ -49,9 +49,9 @@ def null_space(
             where |B| does not), "auto" takes minors in blocks up to 6;
             for arrays "complete", "lu", "qr", "svd", "minors", "compiled" (`nullbody.nullspace.numeric`).
         prefer: columns in the order in which they should become independent, as far as they can.
-        search: how many other ways of writing an expression's basis to try for fewer operations; each takes as
-            long as the first, and common factors are taken out of the cheapest (0: of none). The same number gives
-            the same result.
+        search: for expressions only, how many other ways of writing the basis to try for fewer operations; each
+            takes as long as the first, and common factors are taken out of the cheapest (0: of none). The same number
+            gives the same result. Exact numbers leave nothing to search: it is ignored.
         tolerance: for arrays and sparse matrices, the relative size below which a pivot counts as zero; exact numbers
             and expressions need none.
 
@@ -59,13 +59,15 @@ def null_space(
         `NullSpace`: basis, delta, independent, dependent, rows, redundant, repeats, condition, ...
 
     Raises:
-        InputError: ragged A, entries that are no finite numbers, wrong columns, or only 0 in the null space.
+        InputError: ragged A, entries that are no finite numbers, wrong columns, search for arrays, or only 0 is found.
         SingularityError: the chosen columns leave |B| = 0; the message names columns that would do.
     """
     _require(form, search, independent, prefer)
     given, tolerance = read(A), checked_tolerance(tolerance)
     independent = None if independent is None else checked_columns(independent, given.columns, "independent")
     prefer = None if prefer is None else checked_columns(prefer, given.columns, "preferred")
+    if search and given.kind in ("array", "sparse"):
+        raise InputError("search is for expressions: of an array or a sparse matrix the basis is numbers, leave it out")
     if given.kind == "array":
         from nullbody.nullspace.numeric import array_null_space
 

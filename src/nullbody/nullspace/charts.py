@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from math import comb, inf
+from math import comb, inf, log10
 from typing import Any
 
 import numpy as np
@@ -35,6 +35,7 @@ from nullbody.typing import FloatArray
 __all__ = ["charts"]
 
 _SECOND_SEED = 20_221  # of the graph whose random point confirms the first one's
+_LEGIBLE = 10**9  # larger counts are rounded in messages
 
 Columns = tuple[int, ...]
 Point = Mapping[str, float]
@@ -58,8 +59,8 @@ class _Request:
         count = comb(len(candidates), d)
         if count > self.limit:
             raise InputError(
-                f"there are {count} choices of {d} of {len(candidates)} columns, more than the limit of {self.limit}: "
-                "restrict the candidates with columns=[...], or raise limit="
+                f"there are {_shown(count)} choices of {d} of {len(candidates)} columns, more than the limit of "
+                f"{self.limit}: restrict the candidates with columns=[...], or raise limit="
             )
         return list(combinations(candidates, d))
 
@@ -111,6 +112,10 @@ def charts(
     return _of_numbers(given.dense, given.columns, request)
 
 
+def _shown(count: int) -> str:
+    return str(count) if count <= _LEGIBLE else f"about 1e{log10(count):.0f}"
+
+
 def _of_expressions(rows: Sequence[Sequence[Expr]], request: _Request) -> Atlas:
     kept, choices, regular = _regular(rows, request)
     if (kept, regular) != _regular(_written_anew(rows, Graph(seed=_SECOND_SEED)), request)[::2]:
@@ -160,7 +165,10 @@ def _counts(rows: Sequence[Sequence[Expr]], independent: Columns, plan: Plan) ->
 
 
 def _of_numbers(rows: Matrix, n: int, request: _Request) -> Atlas:
-    """The conditions come from the exact N of the chart with the largest |B|: none of its entries exceeds 1."""
+    """The conditions come from the exact N of the allowed chart with the largest |B|.
+
+    If all columns are allowed, none of its entries exceeds 1.
+    """
     sampled([], request.points)  # numbers have no symbols: a point that names one is refused
     _, basis = null_basis(rows, range(n))
     choices = request.choices(n, len(basis[0]))

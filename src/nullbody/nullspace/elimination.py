@@ -155,7 +155,12 @@ class Elimination:
         return [x.get(j, 0) for j in self.unknowns]
 
     def _solved_scaled(self, work: Sparse) -> list[Any]:
-        """Every unknown times the determinants of the stages that it depends on, in the end brought to |B|."""
+        """Every unknown times the determinants of the stages that it depends on, in the end brought to |B|.
+
+        x[j] is the true unknown times the determinants of the stages in scale[j]. Before a stage is solved, all that it
+        needs is lifted to the union of these sets; its own unknowns then carry that union and its own determinant. The
+        constant and the determinants that are missing come last.
+        """
         x: Sparse = {}
         scale: dict[int, frozenset[int]] = {}
         for k in reversed(range(len(self.stages))):
@@ -223,7 +228,11 @@ class Elimination:
         return found
 
     def _product(self, stages: frozenset[int], factor: Any) -> Any:
-        """The factor times the determinants of some stages."""
+        """The factor times the determinants of some stages.
+
+        A product that is known is extended at its end, else the first determinant is split off: so prefixes and
+        suffixes are shared.
+        """
         if not stages or is_zero(factor):
             return factor
         if stages not in self._products:

@@ -186,32 +186,41 @@ class _Arguments:
         names: those that are arguments, in the order of their creation.
         fixed: stand-ins that are numbers, with their values.
         printed: how stand-ins are printed, and their names.
+        hints: what to say of names that stand in A and are no arguments.
     """
 
     names: tuple[str, ...] = ()
     fixed: Mapping[str, float] = field(default_factory=dict)
     printed: Mapping[str, str] = field(default_factory=dict)
+    hints: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
     def of(cls, space: SymbolicNullSpace, entries: Sequence[Any]) -> _Arguments:
-        expressions = [entry for entry in entries if isinstance(entry, Expr)]
-        if not expressions:
+        given = [entry for row in space._given.matrix for entry in row.values() if isinstance(entry, Expr)]
+        if not given:
             return cls()
-        graph, mask = expressions[0].graph, 0
-        for entry in expressions:
-            mask |= graph.depends[entry.ref >> 1]
+        graph = given[0].graph
+        mask = _symbols_of(graph, entries)
+        everything = mask | _symbols_of(graph, given)
         names, fixed, printed = [], {}, {}
+        cancelled: dict[str, str] = {}
+        inner: dict[str, str] = {}
         for k, name in enumerate(graph.symbols):
-            if not mask >> k & 1:
+            if not everything >> k & 1:
                 continue
             meant = space._given.outward(graph.symbol(name))
-            if getattr(meant, "is_number", False):
+            text = name if isinstance(meant, Expr) else str(meant)
+            if not mask >> k & 1:
+                cancelled |= dict.fromkeys((name, text), f"{text!r} cancels out of this basis")
+            elif getattr(meant, "is_number", False):
                 fixed[name] = float(meant)
-                continue
-            names.append(name)
-            if not isinstance(meant, Expr):
-                printed[str(meant)] = name
-        return cls(tuple(names), fixed, {text: name for text, name in printed.items() if text not in names})
+            else:
+                names.append(name)
+                printed[text] = name
+                remark = f"{text} is an argument of its own: give its value"
+                inner |= dict.fromkeys(map(str, getattr(meant, "free_symbols", ())), remark)
+        others = {text: name for text, name in printed.items() if text not in names}
+        return cls(tuple(names), fixed, others, cancelled | inner)
 
     def array(self, x: Any, values: Mapping[str, Any]) -> FloatArray:
         """Numbers (k,) or (N, k) from what a caller gave."""
@@ -234,7 +243,8 @@ class _Arguments:
         for name, value in values.items():
             known = self.printed.get(name, name)
             if known not in self.names:
-                raise UnknownName("symbol", name, self.names, place="the null space")
+                hint = f" ({self.hints[name]})" if name in self.hints else ""
+                raise UnknownName("symbol", name, self.names, place=f"the null space{hint}")
             found[known] = _real(value, known)
         missing = [name for name in self.names if name not in found]
         if missing:
@@ -250,6 +260,15 @@ class _Arguments:
 
     def _listed(self) -> str:
         return f"its symbols are {', '.join(self.names)}" if self.names else "it has no symbols"
+
+
+def _symbols_of(graph: Graph, entries: Sequence[Any]) -> int:
+    """The symbols on which the expressions among some entries depend, as bits."""
+    mask = 0
+    for entry in entries:
+        if isinstance(entry, Expr):
+            mask |= graph.depends[entry.ref >> 1]
+    return mask
 
 
 def _real(value: Any, name: str) -> FloatArray:

@@ -34,6 +34,7 @@ def _same(value: Any) -> Any:
 
 
 _WHAT = "A must be a list of rows of scalars, a NumPy array, a SciPy sparse matrix or a SymPy matrix"
+_STACK = "stack matrices by numpy.stack"
 
 #: Text, and what has no order: no row, though Python lets one iterate over it.
 _NO_ROW = (str, bytes, bytearray, Mapping, Set)
@@ -93,7 +94,7 @@ def read(A: Any) -> Given:
         shape, rows = tuple(A.shape), A.tolist()
         frame = sympy_matrix if hasattr(A, "free_symbols") else tuple
         return _scalars(rows, shape[-1] if shape else 0, frame)
-    rows = scalar_rows(A, _WHAT)
+    rows = scalar_rows(A, f"{_WHAT}; for one row write [[1, 2, 3]]")
     if not rows or any(len(row) != len(rows[0]) for row in rows):
         raise InputError("A must be a non-empty list of rows of equal length; write no rows as numpy.zeros((0, n))")
     return _scalars(rows, len(rows[0]), tuple)
@@ -204,7 +205,9 @@ def _plain(entry: Any, i: int, j: int) -> Any:
         return entry
     if hasattr(entry, "dtype") and hasattr(entry, "item"):  # a scalar of NumPy
         if getattr(entry, "size", 1) != 1:
-            raise InputError(f"A[{i}, {j}] must be a number or an expression, not an array of shape {entry.shape}")
+            raise InputError(
+                f"A[{i}, {j}] must be a number or an expression, not an array of shape {entry.shape}; {_STACK}"
+            )
         entry = entry.item()
         if hasattr(entry, "dtype"):  # a long double stays one
             entry = complex(entry) if entry.dtype.kind == "c" else float(entry)
@@ -221,7 +224,8 @@ def _plain(entry: Any, i: int, j: int) -> Any:
     if hasattr(entry, "_sympy_"):
         entry = entry._sympy_()
     if not hasattr(entry, "free_symbols"):
-        raise InputError(f"A[{i}, {j}] must be a number or an expression, not {entry!r}")
+        hint = f"; {_STACK}" if isinstance(entry, list | tuple) else ""
+        raise InputError(f"A[{i}, {j}] must be a number or an expression, not {entry!r}{hint}")
     if entry.is_number and entry.is_finite is False:
         raise InputError(f"A[{i}, {j}] must be finite, not {entry}")
     return entry

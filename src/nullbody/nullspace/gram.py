@@ -241,7 +241,12 @@ def _no_scalar(entry: Any) -> bool:
 
 
 def _multiples(rows: list[list[Any]]) -> dict[int, tuple[Any, int]]:
-    """Rows of expressions that are multiples of another row, by a factor that is needed for them anyway."""
+    """Rows of expressions that are multiples of another row, by a factor that is needed for them anyway.
+
+    Two rows are proportional if their values agree after division by the first non-zero one. The ratio is used only if
+    it is a constant or already a sub-expression of N, so that it costs nothing. Of each family the source that explains
+    most rows is taken.
+    """
     expressions = [entry for row in rows for entry in row if isinstance(entry, Expr)]
     if not expressions:
         return {}

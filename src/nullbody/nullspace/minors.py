@@ -1,8 +1,9 @@
 """Determinant and adjugate of a small matrix by memoised minors: no division, every minor once, none in vain.
 
-With the matrix cut into lines (its columns, or its rows), P[k][S] is the minor of the first k lines on the places S,
-Q[k][S] that of the lines k, k+1, ... . A cofactor is a Laplace sum of products P Q over the two sides of the line that
-it leaves out (Gentleman and Johnson 1976); a minor is made when the first cofactor asks for it.
+The matrix is cut into lines (its columns, or its rows), counted from 0; places are positions along a line. P[k][S]
+(`_prefix`) is the minor of the first k lines on the places S, Q[k][S] (`_suffix`) that of the lines k, k+1, ... . A
+cofactor is a Laplace sum of products P Q over the two sides of the line that it leaves out (Gentleman and Johnson
+1976); a minor is made when the first cofactor asks for it.
 """
 
 from __future__ import annotations
@@ -75,7 +76,7 @@ class Minors:
                 continue
             right = self._suffix(k + 1, rest & ~chosen)
             if not is_zero(right):
-                # the columns are ordered chosen, `place`, others: the sign of that arrangement
+                # the places are ordered chosen, `place`, others: the sign of that arrangement
                 terms.append(_signed(_shuffle(chosen, place, rest & ~chosen), left * right))
         return _signed(self._sign, total(terms))
 

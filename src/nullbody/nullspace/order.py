@@ -33,6 +33,7 @@ def chosen_lines(matrix: Sequence[Sequence[Any]], driven: set[int], seed: int | 
         matrix: the block.
         driven: its rows that right-hand sides enter.
         seed: None for the best of a few good orders; a number for one that is reached from there by exchanges.
+            Outside 3..8 lines the order is grown once, and the seed does not matter.
     """
     n = len(matrix)
     rows = [sum(1 << j for j, entry in enumerate(row) if not is_zero(entry)) for row in matrix]

@@ -99,20 +99,20 @@ class _Work:
         self.active = active
         self.tie = tie
         self.constants = constants
-        self.places: dict[int, set[int]] = {j: set() for j in sorted(columns)}
+        self.rows_of: dict[int, set[int]] = {j: set() for j in sorted(columns)}  # column -> rows with an entry there
         for i in sorted(active):
             for j in rows[i]:
-                if j in self.places:
-                    self.places[j].add(i)
+                if j in self.rows_of:
+                    self.rows_of[j].add(i)
         self.best: dict[int, tuple[float, float, int, int]] = {}  # column -> (cost, tie, column, row) of its best pivot
-        self.changed = set(self.places)  # columns whose best pivot has to be found anew
+        self.changed = set(self.rows_of)  # columns whose best pivot has to be found anew
 
     def cheapest(self) -> tuple[int, int] | None:
         """(row, column) of the pivot that makes the fewest operations, or None."""
-        for j in sorted(self.changed & self.places.keys()):
+        for j in sorted(self.changed & self.rows_of.keys()):
             costs = [
                 (self._cost(i, j), self.tie(), j, i)
-                for i in sorted(self.places[j])
+                for i in sorted(self.rows_of[j])
                 if not self.constants or is_constant(self.rows[i][j])
             ]
             self.best.pop(j, None)
@@ -125,7 +125,7 @@ class _Work:
     def clear(self, i: int, j: int) -> tuple[Pivot, list[Shear]]:
         """Clear column j from the other rows with row i, which leaves the work."""
         value = self.rows[i][j]
-        members = self.places.pop(j)
+        members = self.rows_of.pop(j)
         self.best.pop(j, None)
         rivals = () if is_constant(value) else tuple(self.rows[k][j] for k in sorted(members))
         steps = []
@@ -137,8 +137,8 @@ class _Work:
             self.changed.update(self.rows[k])
         self.active.remove(i)
         for c in self.rows[i]:
-            if c in self.places:
-                self.places[c].discard(i)
+            if c in self.rows_of:
+                self.rows_of[c].discard(i)
         return Pivot((i,), (j,), value, rivals), steps
 
     def _subtract(self, k: int, i: int, pivot: int, factor: Any) -> None:
@@ -151,12 +151,16 @@ class _Work:
                 row.pop(c, None)
             else:
                 row[c] = value
-            if c in self.places:
-                (self.places[c].discard if value == 0 else self.places[c].add)(k)
+            if c in self.rows_of:
+                (self.rows_of[c].discard if value == 0 else self.rows_of[c].add)(k)
 
     def _cost(self, i: int, j: int) -> float:
-        """Operations of this pivot; of plain numbers, the most entries that can fill in, then the smaller pivot."""
-        row, members = self.rows[i], self.places[j]
+        """Operations of this pivot; of plain numbers, the most entries that can fill in, then the smaller pivot.
+
+        A product or a sum counts 1. Factors of rows by a constant pivot count 0.2, those of 1 or -1 count 0.1: they
+        decide between pivots that are as good otherwise.
+        """
+        row, members = self.rows[i], self.rows_of[j]
         pivot = row[j]
         if not isinstance(pivot, Expr):
             filled = (len(members) - 1) * (len(row) - 1)

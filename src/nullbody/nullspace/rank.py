@@ -88,12 +88,17 @@ class _Form:
         self.redundant: list[int] = []
 
     def add(self, i: int, row: dict[int, Any]) -> None:
-        """Reduce row i by the rows that are kept; keep what is left of it, if anything is."""
+        """Reduce row i by the rows that are kept; keep what is left of it, if anything is.
+
+        Subtracting kept row k may fill in pivots of rows kept later, never earlier: kept rows are taken in the order in
+        which they were kept. A pivot that was filled, cancelled and filled again is queued twice; the second time its
+        entry is gone.
+        """
         waiting = sorted(self.row_of[j] for j in row if j in self.row_of)
         while waiting:
             known = self.kept[k := heappop(waiting)]
             factor = row.get(self.pivots[k])
-            if factor is None:  # entered twice
+            if factor is None:
                 continue
             for j, entry in known.items():
                 value = _reduced(row.get(j, 0) - factor * entry, self.prime)

@@ -49,6 +49,9 @@ def block_triangular(columns_of: Sequence[Sequence[int]]) -> list[tuple[list[int
 
     Block i has non-zero entries in the columns of blocks i, i + 1, ... only. None if no matching exists:
     the matrix is then structurally singular.
+
+    The blocks are the strong components of a graph of the unknowns. An edge j -> k: the equation that is solved for x_j
+    contains x_k.
     """
     row_of = perfect_matching(columns_of)
     if row_of is None:

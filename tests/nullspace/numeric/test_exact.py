@@ -158,6 +158,9 @@ def test_what_it_says() -> None:
     assert repr(space) == (
         "<NullSpace reduced 3 x 2, rank 1, independent columns [1, 2], redundant rows [1], by lu, condition 4.58>"
     )
+    near = np.array([[1.0, 1, 2, 3], [1, 1 + 1e-9, 3, 5]])
+    assert "condition" in repr(space_of(near, (2, 3), method="qr"))
+    assert repr(space_of(near, (2, 3), form="orthonormal", method="qr")).endswith("by qr, subspace error 1e-14>")
     assert space.latex() == r"\begin{bmatrix} -2 & -4 \\ 1 & 0 \\ 0 & 1 \end{bmatrix}"
     assert np.array(space.to_sympy().tolist(), float).tolist() == [[-2, -4], [1, 0], [0, 1]]
     assert space.operations is None

@@ -52,6 +52,7 @@ def test_parts() -> None:
     with pytest.raises(IndexError):
         stack[7]
     assert repr(stack).startswith("<NullSpaceStack 7 x reduced 6 x 3, rank 3, by complete, worst condition")
+    assert "largest subspace error" in repr(array_null_space(stack.matrices, form="orthonormal"))
 
 
 def test_offsets_of_a_stack() -> None:

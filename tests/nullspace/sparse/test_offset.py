@@ -35,6 +35,18 @@ def test_offset_of_rows_of_any_size() -> None:
     assert np.allclose(scaled.offset(scale * c), space.offset(c), rtol=1e-12)
 
 
+def test_a_row_that_c_does_not_repeat_is_named() -> None:
+    A = chain(1)
+    twice = sparse.vstack([A, 2 * A[[3]]], format="csr")
+    space = sparse_null_space(twice)
+    c = np.random.default_rng(2).standard_normal(9)
+    c[8] = 2 * c[3]
+    assert abs(twice @ space.offset(c) + c).max() < 1e-13
+    c[8] += 1e-6
+    with pytest.raises(InputError, match=r"A gamma \+ c = 0 has no solution: row [38] of A repeats others"):
+        space.offset(c)
+
+
 @pytest.mark.parametrize("c", [np.zeros(7), np.zeros((8, 1)), np.full(8, np.nan), ["a"] * 8])
 def test_offset_needs_a_number_for_each_row(c: Any) -> None:
     with pytest.raises(InputError, match="c must hold 8 finite numbers"):

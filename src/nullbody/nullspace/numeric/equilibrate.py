@@ -94,6 +94,8 @@ def finite_numbers(given: ArrayLike, name: str) -> tuple[Array, np.dtype[Any]]:
             array = array.astype(complex if any(isinstance(x, complex) for x in array.flat) else float)
     except (ValueError, TypeError, OverflowError) as error:
         raise InputError(f"{name} is no array of numbers: {error}") from None
+    if array.dtype == object and any(hasattr(x, "tocsr") or hasattr(x, "free_symbols") for x in array.flat):
+        raise InputError(f"{name} needs numbers at one state: evaluate it there; {name}.toarray() of a sparse matrix")
     if array.dtype.kind not in "iufc":
         raise InputError(f"{name} must hold real or complex numbers, not {array.dtype}")
     finite = np.isfinite(array)

@@ -122,6 +122,8 @@ class ArrayNullSpace(NullSpace):
     @property
     def _figure(self) -> str:
         doubt = f", rank in doubt: gap {self.gap:.2g}" if self.gap < CLEAR else ""
+        if self.form in ("orthogonal", "orthonormal"):  # how good its columns are does not hang on the chart
+            return f"subspace error {self.subspace_error:.0e}{doubt}"
         return f"condition {self.condition:.3g}{doubt}"
 
 

@@ -79,6 +79,8 @@ class NullSpaceStack:
         figures = ""
         if len(self):
             figures = f", worst condition {self.condition.max():.3g}"
+            if self.form in ("orthogonal", "orthonormal"):
+                figures = f", largest subspace error {self.subspace_error.max():.0e}"
             if self.gap.min() < CLEAR:
                 figures += f", rank in doubt: gap {self.gap.min():.2g} in matrix {self.gap.argmin()}"
         return f"<NullSpaceStack {len(self)} x {self.form} {n} x {d}, rank {self.rank}, by {self.method}{figures}>"
