@@ -20,6 +20,7 @@ from nullbody.nullspace import null_space
         ([[], []], "non-empty"),
         ([1, 2, 3], r"list of rows.*; for one row write \[\[1, 2, 3\]\]"),
         ([np.ones((2, 3))] * 2, "stack matrices by numpy.stack"),
+        ([np.ones((3, 1))] * 2, "stack matrices by numpy.stack"),
         ([[[1, 2], [3, 4]]], "stack matrices by numpy.stack"),
         (5, "list of rows"),
         (None, "list of rows"),

@@ -204,7 +204,7 @@ def _plain(entry: Any, i: int, j: int) -> Any:
     if isinstance(entry, Expr | Fraction):
         return entry
     if hasattr(entry, "dtype") and hasattr(entry, "item"):  # a scalar of NumPy
-        if getattr(entry, "size", 1) != 1:
+        if getattr(entry, "ndim", 0):
             raise InputError(
                 f"A[{i}, {j}] must be a number or an expression, not an array of shape {entry.shape}; {_STACK}"
             )
