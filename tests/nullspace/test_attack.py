@@ -236,3 +236,12 @@ def test_symbols_of_sympy_are_names_of_a_point() -> None:
 
 def test_an_orthogonal_basis_without_rows() -> None:
     assert orthogonal_basis(np.zeros((0, 2))) == orthogonal_basis(sp.Matrix(0, 2, [])) == ((1, 0), (0, 1))
+
+
+def test_an_orthonormal_basis_comes_back_from_sympy() -> None:
+    """SymPy's rules for powers of large sums would take minutes."""
+    x, y, z = sp.symbols("x y z")
+    A = sp.Matrix(3, 6, lambda i, j: sp.sin(x * (i + 1) + j) * y + sp.cos(z - j) ** (i + 1) + i * j)
+    space = null_space(A, form="orthonormal")
+    bridge, made = space._given.bridge, space.inward("orthonormal")
+    assert [[bridge.read(space.basis[i, j]) for j in range(3)] for i in range(6)] == [list(row) for row in made]

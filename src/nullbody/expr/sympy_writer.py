@@ -10,6 +10,7 @@ from nullbody.expr.graph import Graph
 __all__ = ["SymPyWriter"]
 
 _TALLEST = 100  # levels of operations that SymPy's own rules, which recurse, are asked to put together
+_TALLEST_ROOT = 4  # levels of operations below a square root that they are asked to put together
 _FAMILY = {"add": "sum", "sub": "sum", "mul": "product"}
 
 
@@ -84,6 +85,9 @@ class SymPyWriter:
         if op == "mul":
             return sympy.Mul(*found, evaluate=rules), level
         if op in ("inv", "sqrt"):
+            if level > _TALLEST_ROOT and (found[0].is_Pow or op == "sqrt"):
+                level = max(level, _TALLEST + 1)  # in and around it SymPy would look for common factors, for minutes
+            rules = level <= _TALLEST
             return sympy.Pow(found[0], -1 if op == "inv" else sympy.Rational(1, 2), evaluate=rules), level
         return getattr(sympy, op)(found[0], evaluate=rules), level
 
