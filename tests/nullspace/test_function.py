@@ -10,11 +10,11 @@ import sympy
 
 from nullbody.errors import InputError, SingularityError, UnknownName
 from nullbody.expr import Exact, Graph, Tape, sin
+from nullbody.kernels.reference import FUNCTIONS
 from nullbody.nullspace import null_space
 from nullbody.nullspace.function import NullSpaceFunction, function_of
 from nullbody.nullspace.numeric import subspace_angle
 from nullbody.nullspace.result import FORMS, Form
-from nullbody.nullspace.sample import FUNCTIONS
 from nullbody.tolerances import EPS
 
 DRIVEN = (9, 10, 11)  # s1, s2, s3

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import platform
 import time
 from collections.abc import Callable, Sequence
 
-from nullbody import __version__
 from nullbody.bench.accuracy import accuracy, worst
 from nullbody.bench.chain import chain_heats, chain_rows
-from nullbody.bench.machine import machine, versions
+from nullbody.bench.machine import facts
 from nullbody.bench.numeric import numeric_rows
 from nullbody.bench.pair import pairs
 from nullbody.bench.peer import PEERS, Heat, Race
@@ -64,7 +62,7 @@ def bench_null_space(settings: Settings | None = None, step: Callable[[str], Non
         accuracy=errors,
         worst=largest,
         deltas=deltas,
-        facts=_facts(time.perf_counter() - begin),
+        facts=facts(time.perf_counter() - begin, _PACKAGES),
         missing={peer.package: peer.missing for peer in PEERS.values() if peer.missing},
     )
 
@@ -94,13 +92,3 @@ def _heats(settings: Settings) -> Sequence[Heat]:
     """What other tools are to run."""
     kinds = {"symbolic": robot_heats, "chains": chain_heats, "random": random_heats}
     return [heat for part, heats in kinds.items() if part in settings.parts for heat in heats(settings)]
-
-
-def _facts(seconds: float) -> dict[str, str]:
-    found = ", ".join(f"{name} {version}" for name, version in versions(_PACKAGES).items() if version)
-    return {
-        "made": time.strftime("%Y-%m-%d %H:%M %Z"),
-        "run time": f"{seconds:.1f} s",
-        "machine": machine(),
-        "versions": f"nullbody {__version__}, Python {platform.python_version()}, {found}",
-    }

@@ -5,10 +5,13 @@ from __future__ import annotations
 import os
 import platform
 import sys
+import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-__all__ = ["machine", "processor", "versions"]
+from nullbody import __version__
+
+__all__ = ["facts", "machine", "processor", "versions"]
 
 
 def versions(packages: Iterable[str]) -> Mapping[str, str | None]:
@@ -22,6 +25,17 @@ def versions(packages: Iterable[str]) -> Mapping[str, str | None]:
         except PackageNotFoundError:
             found[name] = None
     return found
+
+
+def facts(seconds: float, packages: Iterable[str]) -> dict[str, str]:
+    """What a page says about a run of that many seconds."""
+    found = ", ".join(f"{name} {version}" for name, version in versions(packages).items() if version)
+    return {
+        "made": time.strftime("%Y-%m-%d %H:%M %Z"),
+        "run time": f"{seconds:.1f} s",
+        "machine": machine(),
+        "versions": f"nullbody {__version__}, Python {platform.python_version()}, {found}",
+    }
 
 
 def machine() -> str:

@@ -20,6 +20,7 @@ import numpy as np
 
 from nullbody.bench.robot import INPUTS, random_states
 from nullbody.expr import Expr, Graph, Tape
+from nullbody.kernels.reference import FUNCTIONS
 from nullbody.typing import FloatArray
 
 __all__ = [
@@ -73,8 +74,7 @@ class Matrix:
     def numbers(self, values: FloatArray) -> FloatArray:
         """A for many values of the symbols: (count x inputs) -> count x m x n."""
         tape = Tape.of([entry for row in self.rows for entry in row], self.inputs)
-        functions = {"sin": np.sin, "cos": np.cos, "sqrt": np.sqrt}
-        found = tape.run(list(np.asarray(values, dtype=np.float64).T), functions)
+        found = tape.run(list(np.asarray(values, dtype=np.float64).T), FUNCTIONS)
         columns = [np.broadcast_to(np.asarray(entry, dtype=np.float64), len(values)) for entry in found]
         return np.ascontiguousarray(np.stack(columns, axis=1).reshape(len(values), *self.shape))
 

@@ -95,11 +95,5 @@ def _tangent(graph: Graph, node: int, tangent: dict[int, int]) -> int:
 
 def _rebuilt(graph: Graph, node: int, image: dict[int, int]) -> int:
     op, a, b = graph.code[node]
-    left = _signed(graph, image[a >> 1], a)
-    if op in ("add", "sub", "mul"):
-        right = _signed(graph, image[b >> 1], b)
-        if op == "mul":
-            return graph.multiply(left, right)
-        return graph.add(left, right if op == "add" else graph.negate(right))
-    unary = {"sin": graph.sine, "cos": graph.cosine, "inv": graph.invert, "sqrt": graph.square_root}
-    return unary[op](left)
+    right = _signed(graph, image[b >> 1], b) if op in ("add", "sub", "mul") else ZERO
+    return graph.operate(op, _signed(graph, image[a >> 1], a), right)

@@ -9,7 +9,7 @@ Terms and factors change their order, but nothing is multiplied out: rounding st
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from nullbody.expr.divisor import Factors, SumsOfProducts
 from nullbody.expr.expression import Expr
@@ -107,12 +107,6 @@ def _operands(graph: Graph, node: int) -> list[int]:
 def _written(expressions: Sequence[Expr], divided: SumsOfProducts) -> list[Expr]:
     """The expressions in a new graph, as sums of products of divisors and nodes of the old one."""
     source, target = expressions[0].graph, Graph()
-    unary: dict[str, Callable[[int], int]] = {
-        "sin": target.sine,
-        "cos": target.cosine,
-        "inv": target.invert,
-        "sqrt": target.square_root,
-    }
     image: dict[int, int] = {}
 
     def moved(ref: int) -> int:
@@ -124,7 +118,7 @@ def _written(expressions: Sequence[Expr], divided: SumsOfProducts) -> list[Expr]
         op, left, _ = source.code[atom]
         if op == "symbol":
             return target.symbol(source.symbols[left]).ref
-        return target.constant_ref(source.constants[left]) if op == "const" else unary[op](moved(left))
+        return target.constant_ref(source.constants[left]) if op == "const" else target.operate(op, moved(left))
 
     stack = [f.ref >> 1 for f in reversed(expressions)]
     while stack:

@@ -217,6 +217,18 @@ class Graph:
                     return self.constant_ref(Exact.square_root(number.fraction))
         return self._node("sqrt", a, 0)
 
+    def operate(self, op: str, a: int, b: int = ZERO) -> int:
+        """The operation of a node of `code`, no leaf, on other references: how an expression is written anew."""
+        if op == "mul":
+            return self.multiply(a, b)
+        if op in ("add", "sub"):
+            return self.add(a, b if op == "add" else self.negate(b))
+        if op == "inv":
+            return self.invert(a)
+        if op == "sqrt":
+            return self.square_root(a)
+        return self.sine(a) if op == "sin" else self.cosine(a)
+
     # -- bookkeeping ----------------------------------------------------------------------------------------
 
     def _node(self, op: str, a: int, b: int) -> int:

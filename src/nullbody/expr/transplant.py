@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from nullbody.expr.expression import Expr
 from nullbody.expr.graph import Graph
@@ -21,27 +21,17 @@ def transplant(expressions: Sequence[Expr], graph: Graph) -> list[Expr]:
     if not expressions:
         return []
     source = expressions[0].graph
-    unary: dict[str, Callable[[int], int]] = {
-        "sin": graph.sine,
-        "cos": graph.cosine,
-        "inv": graph.invert,
-        "sqrt": graph.square_root,
-    }
     image: dict[int, int] = {}
 
     def moved(ref: int) -> int:
         return graph.negate(image[ref >> 1]) if ref & 1 else image[ref >> 1]
 
     for node in source.reachable(f.ref for f in expressions):
-        op, a, b = source.code[node]
+        op, a, _ = source.code[node]
         if op == "symbol":
             image[node] = graph.symbol(source.symbols[a]).ref
         elif op == "const":
             image[node] = graph.constant_ref(source.constants[a])
-        elif op == "mul":
-            image[node] = graph.multiply(moved(a), moved(b))
-        elif op in ("add", "sub"):
-            image[node] = graph.add(moved(a), graph.negate(moved(b)) if op == "sub" else moved(b))
         else:
-            image[node] = unary[op](moved(a))
+            image[node] = graph.operate(op, *map(moved, source.operands(node)))
     return [Expr(graph, moved(f.ref)) for f in expressions]

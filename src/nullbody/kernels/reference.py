@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from nullbody.errors import InputError
 from nullbody.kernels.program import Program
 
-__all__ = ["interpret"]
+__all__ = ["FUNCTIONS", "interpret"]
 
-_FUNCTIONS = {"sin": np.sin, "cos": np.cos, "sqrt": np.sqrt}
+#: The functions with which a tape runs on arrays.
+FUNCTIONS = {"sin": np.sin, "cos": np.cos, "sqrt": np.sqrt}
 
 
 def interpret(program: Program, *groups: ArrayLike) -> tuple[NDArray[np.float64], ...]:
@@ -40,7 +41,7 @@ def interpret(program: Program, *groups: ArrayLike) -> tuple[NDArray[np.float64]
     batch = np.broadcast_shapes(*(array.shape[:-1] for array in arrays))
     inputs: list[Any] = [array[..., k] for array in arrays for k in range(array.shape[-1])]
     with np.errstate(all="ignore"):
-        values = program.tape.run(inputs, _FUNCTIONS)
+        values = program.tape.run(inputs, FUNCTIONS)
     flat = np.empty((*batch, len(values)))
     for k, value in enumerate(values):
         flat[..., k] = value

@@ -106,7 +106,7 @@ def symbolic_null_space(
     prefer: Sequence[int] | None = None,
     search: int = 0,
 ) -> SymbolicNullSpace:
-    """The null space of exact numbers or expressions by a plan; other arguments as `null_space`.
+    """The null space of exact numbers or expressions by a plan; other arguments as `null_space`, columns checked.
 
     A matrix of full column rank gives a basis without columns here: a mechanism may have no freedom.
     """
@@ -144,15 +144,14 @@ def _echelon(rows: Sequence[Sparse], n: int, prefer: Sequence[int] | None) -> Ec
     """Rows that are independent; columns that may be dependent, the preferred ones last."""
     order: Sequence[int] = range(n)
     if prefer is not None:
-        wanted = checked_columns(prefer, n, "preferred")
-        order = [j for j in range(n) if j not in wanted] + list(reversed(wanted))
-    return generic_echelon(rows, order, n)
+        order = [j for j in range(n) if j not in prefer] + list(reversed(prefer))
+    return generic_echelon(rows, order)
 
 
 def _chosen(independent: Sequence[int] | None, n: int, found: Echelon) -> tuple[int, ...]:
     if independent is None:
         return tuple(j for j in range(n) if j not in set(found.columns))
-    chosen = checked_columns(independent, n, "independent")
+    chosen = tuple(independent)
     if len(chosen) != n - found.rank:
         raise InputError(
             f"A has {n} columns and rank {found.rank}: choose {n - found.rank} independent columns, not {len(chosen)}"
@@ -161,12 +160,11 @@ def _chosen(independent: Sequence[int] | None, n: int, found: Echelon) -> tuple[
 
 
 def _regular(rows: Sequence[Sparse], dependent: Sequence[int], chosen: Sequence[int]) -> bool:
-    order = [*dependent, *chosen]
-    return set(generic_echelon(rows, order, len(order)).columns) == set(dependent)
+    return set(generic_echelon(rows, [*dependent, *chosen]).columns) == set(dependent)
 
 
 def _singular(rows: Sequence[Sparse], chosen: Sequence[int], n: int) -> SingularityError:
-    found = generic_echelon(rows, [j for j in range(n) if j not in chosen] + list(reversed(chosen)), n)
+    found = generic_echelon(rows, [j for j in range(n) if j not in chosen] + list(reversed(chosen)))
     would_do = [j for j in range(n) if j not in found.columns]
     return SingularityError(
         f"columns {list(chosen)} cannot be the independent ones: the determinant of the others is identically zero; "

@@ -56,11 +56,9 @@ class Block:
 
     def solved(self, y: Sparse) -> Sparse:
         """K^-1 y, by column: adj(K) y / |K|, or (adj(K) / |K|) y where many right-hand sides share that."""
-        if not self.many:
-            found = {j: value * self.inverse for j, value in self.scaled(y).items() if not is_zero(value)}
-        else:
-            found = self._sums(y, self._inverse_entry)
-        return {j: value for j, value in found.items() if not is_zero(value)}
+        if self.many:
+            return {j: value for j, value in self._sums(y, self._inverse_entry).items() if not is_zero(value)}
+        return {j: value * self.inverse for j, value in self.scaled(y).items() if not is_zero(value)}
 
     def _inverse_entry(self, row: int, column: int) -> Any:
         key = row, column
@@ -96,8 +94,7 @@ class Block:
         product: Any = 1
         for column in zip(*self.matrix, strict=True):
             product = dot(column, column) * product
-        inverse = reciprocal(self.value)
-        return product * (inverse * inverse)
+        return product * (self.inverse * self.inverse)
 
 
 #: One step of the solution: unknowns that depend on each other.

@@ -14,9 +14,10 @@ from numpy.typing import ArrayLike
 from nullbody.errors import InputError, SingularityError, UnknownName
 from nullbody.expr import Expr, Graph, Tape
 from nullbody.kernels import Kernel, Program, compile_programs
+from nullbody.kernels.reference import FUNCTIONS
 from nullbody.nullspace.numeric.equilibrate import Matrices
 from nullbody.nullspace.result import Form
-from nullbody.nullspace.sample import FUNCTIONS, double, sampled
+from nullbody.nullspace.sample import double, sampled
 from nullbody.nullspace.switch import better_chart, conditions, orthonormal
 from nullbody.nullspace.symbolic import SymbolicNullSpace
 from nullbody.tolerances import EPS, REGULAR_SPREAD

@@ -13,7 +13,7 @@ from typing import Any
 
 from nullbody.expr import Expr
 from nullbody.expr.matrix import dot, total
-from nullbody.nullspace.scalar import is_constant, is_unit, magnitude, reciprocal
+from nullbody.nullspace.scalar import is_constant, is_unit, reciprocal
 from nullbody.nullspace.steps import Shear, Sparse
 
 __all__ = ["Pivot", "eliminated"]
@@ -128,9 +128,9 @@ class _Work:
         members = self.rows_of.pop(j)
         self.best.pop(j, None)
         rivals = () if is_constant(value) else tuple(self.rows[k][j] for k in sorted(members))
-        steps = []
+        pivot, steps = Pivot((i,), (j,), value, rivals), []
         for k in sorted(members - {i}):
-            factor = self.rows[k].pop(j) * reciprocal(value)
+            factor = self.rows[k].pop(j) * pivot.inverse
             steps.append(Shear(k, i, factor))
             self._subtract(k, i, j, factor)
         for k in members:
@@ -139,7 +139,7 @@ class _Work:
         for c in self.rows[i]:
             if c in self.rows_of:
                 self.rows_of[c].discard(i)
-        return Pivot((i,), (j,), value, rivals), steps
+        return pivot, steps
 
     def _subtract(self, k: int, i: int, pivot: int, factor: Any) -> None:
         row = self.rows[k]
@@ -155,7 +155,7 @@ class _Work:
                 (self.rows_of[c].discard if value == 0 else self.rows_of[c].add)(k)
 
     def _cost(self, i: int, j: int) -> float:
-        """Operations of this pivot; of plain numbers, the most entries that can fill in, then the smaller pivot.
+        """Operations of this pivot; of plain numbers, the most entries that can fill in.
 
         A product or a sum counts 1. Factors of rows by a constant pivot count 0.2, those of 1 or -1 count 0.1: they
         decide between pivots that are as good otherwise.
@@ -163,8 +163,7 @@ class _Work:
         row, members = self.rows[i], self.rows_of[j]
         pivot = row[j]
         if not isinstance(pivot, Expr):
-            filled = (len(members) - 1) * (len(row) - 1)
-            return filled if is_constant(pivot) else filled + 1 / (1 + magnitude(pivot))
+            return (len(members) - 1) * (len(row) - 1)
         cost = 0.0 if is_constant(pivot) else 1.0
         for k in members:
             if k == i:

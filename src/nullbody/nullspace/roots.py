@@ -22,20 +22,19 @@ __all__ = ["generic_echelon", "has_roots"]
 _DEPENDENT = 1e-9  # what is left of a row or column that depends on others, relative to its length
 
 
-def generic_echelon(rows: Sequence[Sparse], columns: Sequence[int], n: int) -> Echelon:
+def generic_echelon(rows: Sequence[Sparse], columns: Sequence[int]) -> Echelon:
     """Echelon form by values in the field and, where there are roots of expressions, in doubles.
 
     Args:
         rows: rows of numbers or of expressions of one graph.
         columns: all columns, in the order in which pivots are looked for.
-        n: how many columns there are.
     """
     found = sparse_echelon(rows, columns)
     if not has_roots(rows):
         return found
     near = generic_point(next(e.graph for row in rows for e in row.values() if isinstance(e, Expr)).symbols)
     points = [near, {name: 1.0 + number for name, number in near.items()}]
-    seen = [_real_echelon(values, columns) for values in sampled(dense_rows(rows, n), points)]
+    seen = [_real_echelon(values, columns) for values in sampled(dense_rows(rows, len(columns)), points)]
     real = max((form for form in seen if form is not None), key=lambda form: form.rank, default=found)
     return real if real.rank <= found.rank else found
 

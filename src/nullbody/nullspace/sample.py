@@ -16,12 +16,10 @@ import numpy as np
 from nullbody.errors import InputError, UnknownName
 from nullbody.expr import Exact, Expr, Tape
 from nullbody.expr.matrix import Matrix
+from nullbody.kernels.reference import FUNCTIONS
 from nullbody.typing import FloatArray
 
-__all__ = ["FUNCTIONS", "double", "generic_point", "largest_singular_value", "sampled"]
-
-#: The functions with which a tape runs on arrays.
-FUNCTIONS = {"sin": np.sin, "cos": np.cos, "sqrt": np.sqrt}
+__all__ = ["double", "generic_point", "largest_singular_value", "sampled"]
 
 
 def generic_point(names: Iterable[str]) -> dict[str, float]:

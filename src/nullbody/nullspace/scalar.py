@@ -10,7 +10,7 @@ from typing import Any
 
 from nullbody.expr import Expr
 
-__all__ = ["exact_rational", "is_constant", "is_unit", "is_zero", "magnitude", "reciprocal"]
+__all__ = ["exact_rational", "is_constant", "is_unit", "is_zero", "reciprocal"]
 
 
 def is_zero(scalar: Any) -> bool:
@@ -30,19 +30,12 @@ def is_constant(scalar: Any) -> bool:
     """
     if isinstance(scalar, Expr):
         return scalar.constant is not None
-    if isinstance(scalar, float):
-        return False
-    return exact_rational(scalar) or bool(getattr(scalar, "is_Rational", False))
+    return exact_rational(scalar)
 
 
 def is_unit(scalar: Any) -> bool:
     """Whether a product with this scalar costs nothing: 1 or -1."""
     return bool(scalar == 1 or scalar == -1)
-
-
-def magnitude(scalar: Any) -> float:
-    """The absolute value of a number, as a float."""
-    return float(abs(scalar))
 
 
 def reciprocal(scalar: Any) -> Any:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from nullbody.bench.machine import machine, processor, versions
+from nullbody.bench.machine import facts, processor, versions
 from nullbody.bench.peer import Race
 from nullbody.report.agreement import agreement
 from nullbody.report.appendix import appendix
@@ -57,7 +57,7 @@ def reproduce(out: str | Path, *, progress: bool | None = None) -> dict[str, Any
         made = sections(Settings(), step)
         seconds = time.perf_counter() - begin
         numbers = {**_machine_numbers(), "seconds": seconds, **_verdicts(made)}
-        texts = {"index.html": page(made, _facts(seconds)), "summary.json": summary_text(made, numbers)}
+        texts = {"index.html": page(made, facts(seconds, _PACKAGES)), "summary.json": summary_text(made, numbers)}
         write_texts(folder, texts)
     found: dict[str, Any] = json.loads(texts["summary.json"])
     return found
@@ -96,17 +96,6 @@ def sections(settings: Settings, step: Callable[[str], None] = lambda name: None
 def _verdicts(made: list[Section]) -> dict[str, int]:
     found = [check.verdict for section in made for check in section.checks]
     return {f"checks.{verdict.name.lower()}": found.count(verdict) for verdict in Verdict}
-
-
-def _facts(seconds: float) -> dict[str, str]:
-    """What the page says about the run."""
-    found = ", ".join(f"{name} {version}" for name, version in versions(_PACKAGES).items() if version)
-    return {
-        "made": time.strftime("%Y-%m-%d %H:%M %Z"),
-        "run time": f"{seconds:.1f} s",
-        "machine": machine(),
-        "versions": f"nullbody {_own_version()}, Python {platform.python_version()}, {found}",
-    }
 
 
 def _machine_numbers() -> dict[str, Any]:
