@@ -33,16 +33,17 @@ if TYPE_CHECKING:  # the same names once more, for type checkers and editors
     from nullbody import catalog, control, export, nullspace, report, verify
     from nullbody.equations import Equations, derive
     from nullbody.expr import Graph
-    from nullbody.kinematics import assemble, branches, inverse_kinematics, singularity
+    from nullbody.kinematics import assemble, branches, consistent, inverse_kinematics, singularity
     from nullbody.mechanism import Mechanism
     from nullbody.model import Model, State, build
     from nullbody.nullspace import NullSpace, null_space
-    from nullbody.simulate import Trajectory, simulate
+    from nullbody.simulate import Event, Trajectory, simulate
 
 __all__ = [
     "AssemblyError",
     "CacheError",
     "Equations",
+    "Event",
     "ExpressionError",
     "Graph",
     "InputError",
@@ -65,6 +66,7 @@ __all__ = [
     "branches",
     "build",
     "catalog",
+    "consistent",
     "control",
     "derive",
     "export",
@@ -82,6 +84,7 @@ __version__ = "0.1.0"
 _PACKAGES = {"catalog", "control", "export", "nullspace", "report", "verify"}
 _HOME = {
     "Equations": "equations",
+    "Event": "simulate",
     "Graph": "expr",
     "Mechanism": "mechanism",
     "Model": "model",
@@ -91,6 +94,7 @@ _HOME = {
     "assemble": "kinematics",
     "branches": "kinematics",
     "build": "model",
+    "consistent": "kinematics",
     "derive": "equations",
     "inverse_kinematics": "kinematics",
     "null_space": "nullspace",

@@ -16,6 +16,8 @@ __all__ = [
     "REGULAR_LOSS",
     "REGULAR_SPREAD",
     "SIMULATED_SPREAD",
+    "SWITCH_DOUBT",
+    "SWITCH_SPREAD",
 ]
 
 #: Unit roundoff of a double, times two.
@@ -47,9 +49,16 @@ REGULAR_LOSS = 1e-10 / EPS
 #: |N|^2 above which a large loss is put down to the independent coordinates, below it to masses or angles.
 LARGE_SPREAD = 1e5
 
-#: A simulation stops at |N| = 1e5 at the latest: velocities grow as |N| there, and steps would shrink to nothing.
+#: A simulation that may not change its independent coordinates stops at |N| = 1e5 at the latest: velocities grow as |N| there, and steps would shrink to nothing.
 SIMULATED_SPREAD = 1e10
 
 #: |B| is at rounding level where a block's determinant is 1e-14 of the product of its column lengths; the kernels
 #: return doubt = (that ratio)^-2. N may then be arbitrary (0/0), also where it looks small.
 REGULAR_DOUBT = 1e28
+
+#: |N|^2, lengths in typical lengths, from which a simulation looks for better independent coordinates: |N| = 20 costs
+#: little more than one digit.
+SWITCH_SPREAD = 4e2
+
+#: doubt from which it looks for better rows as well: determinants at 1e-4 of the product of column lengths.
+SWITCH_DOUBT = 1e8

@@ -7,17 +7,92 @@ from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from nullbody.catalog.a01_pendulum import a01_pendulum
+from nullbody.catalog.andrews import andrews
+from nullbody.catalog.bricard import bricard
+from nullbody.catalog.chaplygin_sleigh import chaplygin_sleigh
+from nullbody.catalog.delta import delta
+from nullbody.catalog.five_bar import five_bar
+from nullbody.catalog.flyball_governor import flyball_governor
+from nullbody.catalog.four_bar import four_bar
+from nullbody.catalog.n_four_bar import n_four_bar
+from nullbody.catalog.rolling_disc import rolling_disc
+from nullbody.catalog.rssr import rssr
+from nullbody.catalog.slider_crank import slider_crank
+from nullbody.catalog.spatial_slider_crank import spatial_slider_crank
+from nullbody.catalog.start import Start
+from nullbody.catalog.stewart_platform import stewart_platform
 from nullbody.catalog.three_prs import three_prs
+from nullbody.catalog.three_prs_vertical import three_prs_vertical
+from nullbody.catalog.three_rps import three_rps
+from nullbody.catalog.three_rrr import three_rrr
 from nullbody.errors import UnknownName
 from nullbody.mechanism import Mechanism
 
 if TYPE_CHECKING:
     from nullbody.catalog.closed_form import ClosedForm
 
-__all__ = ["CLOSED_FORMS", "MODELS", "closed_form_of", "mechanism", "three_prs"]
+__all__ = [
+    "CLOSED_FORMS",
+    "MODELS",
+    "STARTS",
+    "Start",
+    "a01_pendulum",
+    "andrews",
+    "bricard",
+    "chaplygin_sleigh",
+    "closed_form_of",
+    "delta",
+    "five_bar",
+    "flyball_governor",
+    "four_bar",
+    "mechanism",
+    "n_four_bar",
+    "rolling_disc",
+    "rssr",
+    "slider_crank",
+    "spatial_slider_crank",
+    "starts",
+    "stewart_platform",
+    "three_prs",
+    "three_prs_vertical",
+    "three_rps",
+    "three_rrr",
+]
 
 #: Every mechanism of the catalog by name.
-MODELS: dict[str, Callable[..., Mechanism]] = {"three_prs": three_prs}
+MODELS: dict[str, Callable[..., Mechanism]] = {
+    "a01_pendulum": a01_pendulum,
+    "andrews": andrews,
+    "bricard": bricard,
+    "chaplygin_sleigh": chaplygin_sleigh,
+    "delta": delta,
+    "five_bar": five_bar,
+    "flyball_governor": flyball_governor,
+    "four_bar": four_bar,
+    "n_four_bar": n_four_bar,
+    "rolling_disc": rolling_disc,
+    "rssr": rssr,
+    "slider_crank": slider_crank,
+    "spatial_slider_crank": spatial_slider_crank,
+    "stewart_platform": stewart_platform,
+    "three_prs": three_prs,
+    "three_prs_vertical": three_prs_vertical,
+    "three_rps": three_rps,
+    "three_rrr": three_rrr,
+}
+
+#: Where starts of published motions are, by the mechanism's name.
+STARTS = {
+    "a01_pendulum": "nullbody.catalog.a01_pendulum",
+    "andrews": "nullbody.catalog.andrews",
+    "bricard": "nullbody.catalog.bricard",
+    "chaplygin_sleigh": "nullbody.catalog.chaplygin_sleigh",
+    "flyball_governor": "nullbody.catalog.flyball_governor",
+    "four_bar": "nullbody.catalog.four_bar",
+    "n_four_bar": "nullbody.catalog.n_four_bar",
+    "rolling_disc": "nullbody.catalog.rolling_disc",
+}
 
 #: Where closed-form kinematics are, by the mechanism's name.
 CLOSED_FORMS = {"three_prs": "nullbody.catalog.three_prs_kinematics"}
@@ -32,6 +107,22 @@ def mechanism(name: str, **values: float) -> Mechanism:
     if name not in MODELS:
         raise UnknownName("model in the catalog", name, MODELS)
     return MODELS[name](**values)
+
+
+def starts(name: str, **values: float) -> dict[str, Start]:
+    """The starts of published motions of a mechanism by their names; at rest at home where none was published.
+
+    Args:
+        name: of the mechanism.
+        values: parameters that differ from those of the publication.
+
+    Raises:
+        UnknownName, ParameterError: there is no mechanism of this name, or no such parameter.
+    """
+    if name not in STARTS:
+        return {"home": Start(mechanism(name, **values))}
+    found: dict[str, Start] = import_module(STARTS[name]).starts(**values)
+    return found
 
 
 def closed_form_of(given: Mechanism) -> ClosedForm | None:

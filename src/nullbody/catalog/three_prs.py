@@ -70,7 +70,7 @@ def three_prs(**values: float) -> Mechanism:
         ),
     ]
     loops = [
-        Spherical(f"leg{i}", f"link{i}", (0, 0, "-l"), "platform", point)
+        Spherical(f"leg{i}", f"link{i}", "platform", at=Placement((0, 0, "-l")), on=Placement(point))
         for i, point in zip(legs, _PLATFORM_POINTS, strict=True)
     ]
     mechanism = Mechanism(

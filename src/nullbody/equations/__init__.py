@@ -2,6 +2,7 @@
 
 from nullbody.equations.derive import derive
 from nullbody.equations.equations import Equations, Routine
+from nullbody.equations.mobility import Mobility
 from nullbody.equations.presentation import flat, shape
 
-__all__ = ["Equations", "Routine", "derive", "flat", "shape"]
+__all__ = ["Equations", "Mobility", "Routine", "derive", "flat", "shape"]

@@ -1,13 +1,18 @@
-"""Loop closures Phi(q) = 0 and what follows from them by differentiation (theory 2, [26])."""
+"""The constraints and what follows from them by differentiation (theory 2, [26]).
+
+    Phi(q, t) = 0                    loops, couplings, drivers, Euler parameters: holonomic
+    r = A q' + b = 0                 A = dPhi/dq, b = dPhi/dt; rows of rolling contacts are r(q, q', t) themselves
+    A q'' + c = 0                    c = dr/dt with q'' = 0
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from nullbody.equations.frame import Frame
-from nullbody.equations.scalar import ParameterScalars
-from nullbody.expr import Expr, directional, jacobian
+from nullbody.equations.motion import MotionExpressions
+from nullbody.errors import MechanismError
+from nullbody.expr import Expr, directional, jacobian, substitute
 from nullbody.expr.matrix import matvec
 from nullbody.mechanism import Mechanism
 
@@ -16,38 +21,73 @@ __all__ = ["Closures", "closures"]
 
 @dataclass(frozen=True)
 class Closures:
-    """Phi = 0, A q' = 0, A q'' + c = 0.
+    """Phi = 0, A q' + b = 0, A q'' + c = 0.
 
     Attributes:
-        labels: loop and direction of each equation, e.g. "leg1 x".
-        Phi: residuals [m], nc.
-        A: Jacobian dPhi/dq, nc x nq.
-        c: A' q' [m/s^2], nc.
+        labels: where each row comes from, e.g. "leg1 x"; the first len(Phi) rows are those of Phi.
+        Phi: residuals of the holonomic equations.
+        A: all rows, nc x nq.
+        b: nc; zero without drivers.
+        c: nc.
+        facing: cosines that are positive where loops are closed the right way round, with the loops' names.
     """
 
     labels: tuple[str, ...]
     Phi: list[Expr]
     A: list[list[Expr]]
+    b: list[Expr]
     c: list[Expr]
+    facing: tuple[tuple[str, Expr], ...]
 
 
-def closures(
-    mechanism: Mechanism,
-    found: Mapping[str, Frame],
-    scalars: ParameterScalars,
-    q: list[Expr],
-    rates: list[Expr],
-) -> Closures:
-    """The closures of all loops, with c_i = sum_jk (d^2 Phi_i / dq_j dq_k) q'_j q'_k."""
-    labels: list[str] = []
+def closures(mechanism: Mechanism, motion: MotionExpressions) -> Closures:
+    """All constraints of a mechanism.
+
+    Raises:
+        MechanismError: a nonholonomic equation is not linear in the rates.
+    """
+    zero = motion.scalar(0)
+    Phi, facing = _holonomic(mechanism, motion)
+    q, rates = list(motion.q.values()), list(motion.rates.values())
+    one = zero + 1
+    A = jacobian(Phi, q) if Phi else []
+    b = directional(Phi, {motion.time: one})
+    rows = [zero + product + moved for product, moved in zip(matvec(A, rates), b, strict=True)]
+    slips = [zero + slip for c in mechanism.constraints for slip in c.nonholonomic(motion)]
+    slip_A = jacobian(slips, rates) if slips else []
+    _check_linear(mechanism, slip_A, rates)
+    slip_b = substitute(slips, dict.fromkeys(rates, zero))
+    along = {**dict(zip(q, rates, strict=True)), motion.time: one}
+    return Closures(
+        labels=tuple(label for label, _ in (*mechanism.holonomic_rows, *mechanism.nonholonomic_rows)),
+        Phi=Phi,
+        A=[*A, *slip_A],
+        b=[*b, *slip_b],
+        c=directional([*rows, *slips], along),
+        facing=facing,
+    )
+
+
+def _holonomic(mechanism: Mechanism, motion: MotionExpressions) -> tuple[list[Expr], tuple[tuple[str, Expr], ...]]:
+    """Phi and the facing cosines, in the order of `Mechanism.holonomic_rows`."""
+    zero = motion.scalar(0)
     Phi: list[Expr] = []
+    facing: list[tuple[str, Expr]] = []
     for loop in mechanism.loops:
-        point_a = found[loop.body_a].point(scalars.triple(loop.point_a))
-        point_b = found[loop.body_b].point(scalars.triple(loop.point_b))
-        zero = scalars(0)
-        Phi += [zero + residual for residual in loop.closure(point_a, point_b)]
-        labels += [f"{loop.name} {row}" for row in loop.rows]
-    A = jacobian(Phi, q)
-    Phi_dot = [scalars(0) + term for term in matvec(A, rates)]
-    c = directional(Phi_dot, dict(zip(q, rates, strict=True)))
-    return Closures(tuple(labels), Phi, A, c)
+        a, b = motion.frame(loop.parent, loop.at), motion.frame(loop.child, loop.on)
+        Phi += [zero + residual for residual in loop.closure(a, b, motion.scalar)]
+        facing += [(loop.name, zero + cosine) for cosine in loop.facing(a, b)]
+    for constraint in mechanism.constraints:
+        Phi += [zero + residual for residual in constraint.holonomic(motion)]
+    for joint in mechanism.joints:
+        Phi += [zero + residual for residual in joint.own_closure([motion.q[name] for name in joint.coordinates])]
+    return Phi, tuple(facing)
+
+
+def _check_linear(mechanism: Mechanism, slip_A: Sequence[Sequence[Expr]], rates: Sequence[Expr]) -> None:
+    for (label, _), row in zip(mechanism.nonholonomic_rows, slip_A, strict=True):
+        if any(entry.graph.depends[entry.ref >> 1] & rate.graph.depends[rate.ref >> 1] for entry in row for rate in rates):
+            raise MechanismError(
+                f"the constraint {label!r} is not linear in the rates: only equations a(q, t) . q' + b(q, t) = 0 can be "
+                "fulfilled by forces that do no work"
+            )

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from nullbody.equations.mobility import Mobility
 from nullbody.equations.presentation import flat, latex_definition, summary
 from nullbody.errors import UnknownName
 from nullbody.expr import Graph, Operations, operations
@@ -20,7 +21,8 @@ class Routine:
     """A set of outputs that are evaluated together: what becomes one kernel.
 
     Attributes:
-        inputs: groups among "q", "v", "q_dot", "u", "v_dot", "q_ddot"; parameters always come last.
+        inputs: groups among "q", "v", "q_dot", "u", "v_dot", "q_ddot"; the time t, where it enters at all, and the
+            parameters always come last.
         outputs: named scalars, vectors or matrices.
     """
 
@@ -32,8 +34,10 @@ class Routine:
 class Equations:
     """The equations of motion of a mechanism in redundant and in independent coordinates.
 
-        Phi(q) = 0,   A q' = 0,   A q'' + c = 0,   M q'' + h + A^T lambda = Q
-        q' = N v,     q'' = N v' + gamma,          Mr v' + hr = N^T Q
+        Phi(q, t) = 0,    A q' + b = 0,   A q'' + c = 0,   M q'' + h + A^T lambda = Q
+        q' = N v + beta,  q'' = N v' + gamma,              Mr v' + hr = N^T Q
+
+    b and beta are zero where nothing depends on the time. h holds all loads; Q the inputs.
 
     `equations["Mr"]` is an output: a scalar, a tuple of expressions, or a tuple of rows. `outputs` lists the names.
 
@@ -42,8 +46,12 @@ class Equations:
         graph: holds all expressions.
         coordinates: names of q.
         independent: names of the independent coordinates; v holds their rates.
-        labels: loop and direction of every closure equation that is kept, in the order of Phi.
-        redundant: labels of equations that repeat others and were left out.
+        labels: where every row of A comes from ("leg1 x"), in the order of lambda.
+        closure_labels: the same for Phi: rows that others repeat only where the loops are closed are in Phi, not in A;
+            rows of rolling contacts are in A, not in Phi.
+        redundant: labels of rows that repeat others and were left out of A.
+        facing: loops that could also close with an axis reversed; routine "facing" tells.
+        mobility: how many degrees of freedom there are, and why.
         outputs: the named outputs, in (q, q', u, parameters).
         routines: what is compiled: mostly in (q, v, u, parameters), with q' = N v put in.
         groups: names of the symbols in each group of inputs.
@@ -55,7 +63,10 @@ class Equations:
     coordinates: tuple[str, ...]
     independent: tuple[str, ...]
     labels: tuple[str, ...]
+    closure_labels: tuple[str, ...]
     redundant: tuple[str, ...]
+    facing: tuple[str, ...]
+    mobility: Mobility
     outputs: Mapping[str, Any]
     routines: Mapping[str, Routine]
     groups: Mapping[str, tuple[str, ...]]

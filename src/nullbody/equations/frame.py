@@ -6,6 +6,10 @@ For a child on a parent with the joint's frame (R_J, p_J) and the motion (R_q, p
     omega = R_rel^T omega_parent + (joint's angular rates)                              child's axes [rad/s]
     V     = R_rel^T (V_parent + omega_parent x p_rel) + R_q^T (joint's linear rates)    child's axes [m/s]
 
+The child's frame is that of the joint, moved back by the joint's placement on the child (R_on, p_on):
+
+    R_child = R R_on^T,  p_child = p - R_child p_on,  omega_child = R_on omega,  V_child = R_on V + p_on x omega_child
+
 Both are linear in q': each body keeps one column (omega, V) for each coordinate that moves it, which is what
 keeps M nearly block-diagonal (theory 3: each body in its own coordinates).
 """
@@ -18,9 +22,8 @@ from typing import Any
 
 from nullbody.equations.scalar import ParameterScalars
 from nullbody.expr import Expr, cos, sin
-from nullbody.expr.matrix import add, cross, matmul, matvec, transpose
-from nullbody.mechanism import GROUND, AbstractTreeJoint, Mechanism, Pose
-from nullbody.mechanism.joints.base import elementary_rotation
+from nullbody.expr.matrix import add, cross, matmul, matvec, scale, transpose
+from nullbody.mechanism import GROUND, AbstractTreeJoint, Mechanism, Placement, Pose
 
 __all__ = ["Frame", "frames"]
 
@@ -54,10 +57,24 @@ def frames(mechanism: Mechanism, scalars: ParameterScalars, q: Mapping[str, Expr
 
 
 def _child_frame(joint: AbstractTreeJoint, parent: Frame, scalars: ParameterScalars, q: Mapping[str, Expr]) -> Frame:
+    """The frame of the child: that of the joint on it, and back by the placement `on`."""
+    moving = _joint_frame(joint, parent, scalars, q)
+    if joint.on == Placement():
+        return moving
+    turn, shift = scalars.rotation(joint.on), scalars.triple(joint.on.position)
+    rotation = matmul(moving.pose.rotation, transpose(turn))
+    position = add(moving.pose.position, scale(-1, matvec(rotation, shift)))
+    columns = {}
+    for name, (angular, linear) in moving.columns.items():
+        turned = matvec(turn, angular)
+        columns[name] = (turned, add(matvec(turn, linear), cross(shift, turned)))
+    return Frame(Pose(rotation, position), columns)
+
+
+def _joint_frame(joint: AbstractTreeJoint, parent: Frame, scalars: ParameterScalars, q: Mapping[str, Expr]) -> Frame:
+    """The frame of the joint on the child."""
     motion = joint.motion([q[name] for name in joint.coordinates], sin, cos)
-    joint_rotation: Any = _IDENTITY
-    for fixed in joint.at.rotations:
-        joint_rotation = matmul(joint_rotation, elementary_rotation(fixed.axis, *scalars.sine_cosine(fixed)))
+    joint_rotation = scalars.rotation(joint.at)
     rotation = matmul(joint_rotation, motion.pose.rotation)
     position = add(scalars.triple(joint.at.position), matvec(joint_rotation, motion.pose.position))
     pose = Pose(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from nullbody.expr.display import flat, latex_equation
 from nullbody.expr.text import latex_symbol
+from nullbody.mechanism import AbstractConstraint, AbstractLoopJoint
 
 if TYPE_CHECKING:
     from nullbody.equations.equations import Equations
@@ -18,6 +19,7 @@ _LATEX_NAMES = {
     "N_scaled": r"\tilde{N}",
     "gamma_scaled": r"\tilde{\gamma}",
     "delta": r"\Delta",
+    "beta": r"\beta",
     "gamma": r"\gamma",
     "Mr": r"M_r",
     "hr": r"h_r",
@@ -26,16 +28,18 @@ _LATEX_NAMES = {
 
 _MEANINGS = {
     "Phi": "loop closures, Phi(q) = 0",
-    "A": "constraint Jacobian, A q' = 0",
-    "c": "A' q', so that A q'' + c = 0",
+    "A": "constraint Jacobian, A q' + b = 0",
+    "b": "rates of the closures by the time alone",
+    "c": "A q'' + c = 0",
     "M": "mass matrix in redundant coordinates",
-    "h": "Coriolis and gravity, M q'' + h + A^T lambda = Q",
+    "h": "Coriolis, gravity and loads, M q'' + h + A^T lambda = Q",
     "Q": "generalized forces of the inputs",
     "T": "kinetic energy",
     "U": "potential energy",
     "delta": "|B|, determinant of A's dependent columns",
-    "N": "null-space basis, q' = N v",
+    "N": "null-space basis, q' = N v + beta",
     "N_scaled": "delta N, without any division",
+    "beta": "q' = N v + beta, zero without drivers",
     "gamma": "q'' = N v' + gamma",
     "gamma_scaled": "delta gamma, without any division",
     "Mr": "reduced mass matrix, Mr v' + hr = Br u",
@@ -57,17 +61,25 @@ def summary(equations: Equations) -> str:
     lines.append(
         "  outputs are in q, q', u and the parameters; with q' = N v put in they depend on (q, v), as the routines do"
     )
-    for loop in mechanism.loops:
-        kept, dropped = _directions(equations.labels, loop.name), _directions(equations.redundant, loop.name)
-        note = f", {' '.join(dropped)} repeats other equations" if dropped else ""
-        lines.append(
-            f"  loop {loop.name}: a point of {loop.body_a} meets a point of {loop.body_b} ({' '.join(kept)}{note})"
-        )
+    for part in (*mechanism.loops, *mechanism.constraints):
+        kept, dropped = _directions(equations.labels, part.name), _directions(equations.redundant, part.name)
+        note = f"; {' '.join(dropped)} repeats other equations" if dropped else ""
+        lines.append(f"  {_described(part)} ({' '.join(kept) or 'no equation'}{note})")
+    lines += [f"  {line}" for line in str(equations.mobility).splitlines()]
     lines.append(f"  {'output':<13}{'size':>8}  {'operations':<40}meaning")
     for name in equations.outputs:
+        if name in ("b", "beta") and not mechanism.rheonomic:
+            continue
         size = " x ".join(str(n) for n in shape(equations[name])) or "1"
         lines.append(f"  {name:<13}{size:>8}  {equations.operations(name)!s:<40}{_MEANINGS[name]}")
     return "\n".join(lines)
+
+
+def _described(part: AbstractLoopJoint | AbstractConstraint) -> str:
+    kind = type(part).__name__.lower()
+    if isinstance(part, AbstractLoopJoint):
+        return f"loop {part.name}: {kind} joint between {part.parent} and {part.child}"
+    return f"constraint {part.name}: {kind}"
 
 
 def _directions(labels: Sequence[str], loop: str) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from math import cos as cos_float
 from math import radians
@@ -10,8 +11,10 @@ from typing import Any
 
 from nullbody.errors import UnknownName
 from nullbody.expr import Exact, Expr, Graph, cos, sin, sqrt
+from nullbody.expr.matrix import matmul
 from nullbody.expr.parse import parse
-from nullbody.mechanism import Rotation
+from nullbody.mechanism import Placement, Rotation
+from nullbody.mechanism.joints.base import elementary_rotation
 from nullbody.typing import Scalar, Triple
 
 __all__ = ["ParameterScalars"]
@@ -37,9 +40,23 @@ class ParameterScalars:
 
     def __call__(self, source: Scalar) -> Expr:
         """The expression of a scalar."""
-        functions = {"sin": sin, "cos": cos, "sqrt": sqrt}
-        found: Expr = parse(source, self._symbol, self.graph.constant, functions)
+        return self._parsed(source, self._symbol)
+
+    def moving(self, source: Scalar, symbols: Mapping[str, Expr]) -> Expr:
+        """The expression of a text that uses other symbols beside the parameters: coordinates, rates, t."""
+        return self._parsed(source, lambda name: symbols[name] if name in symbols else self._symbol(name))
+
+    def _parsed(self, source: Scalar, symbol: Callable[[str], Expr]) -> Expr:
+        functions = {"sin": sin, "cos": cos, "sqrt": sqrt, "tan": lambda x: sin(x) / cos(x)}
+        found: Expr = parse(source, symbol, self.graph.constant, functions)
         return found
+
+    def rotation(self, placement: Placement) -> list[list[Any]]:
+        """The rotation matrix of a placement."""
+        rotation: list[list[Any]] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        for fixed in placement.rotations:
+            rotation = matmul(rotation, elementary_rotation(fixed.axis, *self.sine_cosine(fixed)))
+        return rotation
 
     def triple(self, source: Triple) -> list[Expr]:
         """The expressions of three components."""

@@ -1,4 +1,4 @@
-"""The small grammar of parameter expressions in model files: numbers, names, + - * / ^, sqrt, sin, cos, pi.
+"""The small grammar of expressions in model files: numbers, names, + - * / ^, sqrt, sin, cos, tan, pi.
 
     sum     = product (("+" | "-") product)*
     product = factor (("*" | "/") factor)*
@@ -25,12 +25,17 @@ _TOKEN = re.compile(
     r"\s*(?:(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)|([A-Za-z_]\w*)|(\*\*|[-+*/^()]))", re.ASCII
 )
 _Token = tuple[str, str, int]
-_LONGEST = 500  # characters
+_LONGEST = 4000  # characters
 _DEEPEST = 40  # nested parentheses and signs
 _LARGEST_EXPONENT = 64  # of nested powers together: exact numbers would grow without limit
 
 #: The functions of the grammar on doubles.
-FLOAT_FUNCTIONS: Mapping[str, Callable[[Any], Any]] = {"sqrt": math.sqrt, "sin": math.sin, "cos": math.cos}
+FLOAT_FUNCTIONS: Mapping[str, Callable[[Any], Any]] = {
+    "sqrt": math.sqrt,
+    "sin": math.sin,
+    "cos": math.cos,
+    "tan": math.tan,
+}
 
 
 def parse(
@@ -45,7 +50,7 @@ def parse(
         source: the text, or a number.
         name: what a name stands for; raises for an unknown one.
         constant: turns a Fraction into the number type.
-        functions: sqrt, sin and cos of the number type.
+        functions: sqrt, sin, cos and tan of the number type.
 
     Raises:
         ExpressionError: the text is not in the grammar; the message marks the place.
@@ -128,7 +133,7 @@ class _Parser:
     def _fail(self, what: str, place: int) -> NoReturn:
         raise ExpressionError(
             f"{what} at character {place + 1} of {self.source[:80]!r}; "
-            "allowed: numbers, parameters, + - * / ^, sqrt, sin, cos, pi, ( )"
+            "allowed: numbers, parameters, + - * / ^, sqrt, sin, cos, tan, pi, ( )"
         )
 
     def _take(self, *signs: str) -> str | None:

@@ -1,8 +1,8 @@
-"""A mechanism in numbers, as other tools want it: frames, masses and joints of one coordinate each."""
+"""A mechanism in numbers, as other tools want it: frames, masses, and joints as chains of slides, hinges and balls."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import cos, radians, sin
 from typing import Any, Literal
@@ -15,13 +15,18 @@ from nullbody.mechanism import (
     AbstractLoopJoint,
     AbstractTreeJoint,
     Body,
+    Cylindrical,
     Free,
+    FreeQuaternion,
     Placement,
+    Planar,
     Prismatic,
     Revolute,
     Spherical,
+    Universal,
+    Weld,
 )
-from nullbody.mechanism.joints.base import axis_vector, elementary_rotation
+from nullbody.mechanism.joints.base import axis_vector, elementary_rotation, transverse
 from nullbody.typing import FloatArray, Scalar, Triple
 
 __all__ = ["RigidFrame", "Step", "frame", "loop_points", "mass_properties", "number", "steps", "triple"]
@@ -49,17 +54,23 @@ class RigidFrame:
 
 @dataclass(frozen=True)
 class Step:
-    """A joint of one coordinate: it slides along, or turns about, an axis of the frame that the steps before it moved.
+    """A joint of one kind of motion: it slides along, or turns about, an axis of the frame that the steps before it
+    moved, or it turns freely about the origin of that frame.
 
     Attributes:
-        coordinate: its name.
-        kind: "slide" [m] or "hinge" [rad].
-        axis: unit vector.
+        coordinates: the name of its coordinate; of its four Euler parameters e0, e1, e2, e3 for a ball.
+        kind: "slide" [m], "hinge" [rad] or "ball".
+        axis: unit vector; of no meaning for a ball.
     """
 
-    coordinate: str
-    kind: Literal["slide", "hinge"]
-    axis: tuple[int, int, int]
+    coordinates: tuple[str, ...]
+    kind: Literal["slide", "hinge", "ball"]
+    axis: tuple[int, int, int] = (0, 0, 1)
+
+    @property
+    def coordinate(self) -> str:
+        """The coordinate; of a ball the first one."""
+        return self.coordinates[0]
 
 
 def number(source: Scalar, values: Mapping[str, float]) -> float:
@@ -88,7 +99,7 @@ def mass_properties(body: Body, values: Mapping[str, float]) -> tuple[float, Flo
 
 
 def loop_points(loop: AbstractLoopJoint, values: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
-    """The two points that a loop joint keeps together, each in its own body's frame [m].
+    """The two points that a spherical loop joint keeps together, each in its own body's frame [m].
 
     Raises:
         MechanismError: a type of loop joint that does more than that.
@@ -98,11 +109,13 @@ def loop_points(loop: AbstractLoopJoint, values: Mapping[str, float]) -> tuple[F
             f"loop {loop.name!r} is a {type(loop).__name__}, which cannot be written for another engine; "
             "known: Spherical"
         )
-    return triple(loop.point_a, values), triple(loop.point_b, values)
+    return triple(loop.at.position, values), triple(loop.on.position, values)
 
 
 def steps(joint: AbstractTreeJoint) -> tuple[Step, ...]:
-    """A joint as a chain of slides and hinges with the same coordinates, from the parent to the child.
+    """A joint as a chain of slides, hinges and balls with the same coordinates, from the parent to the child.
+
+    The chain begins at the joint's frame on the parent (`at`) and ends at its frame on the child (`on`).
 
     Raises:
         MechanismError: a type of joint that has no such chain here.
@@ -116,15 +129,49 @@ def steps(joint: AbstractTreeJoint) -> tuple[Step, ...]:
     )
 
 
+_X, _Y, _Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
+
+
+def _slides(names: Sequence[str]) -> tuple[Step, ...]:
+    """p = (x, y, z)"""
+    return tuple(Step((name,), "slide", axis) for name, axis in zip(names, (_X, _Y, _Z), strict=True))
+
+
 def _free_steps(joint: Any) -> tuple[Step, ...]:
     """p = (x, y, z), R = Rz(phi) Ry(theta) Rx(psi): the yaw phi is nearest to the parent."""
-    x, y, z, psi, theta, phi = joint.coordinates
-    slides = (Step(x, "slide", (1, 0, 0)), Step(y, "slide", (0, 1, 0)), Step(z, "slide", (0, 0, 1)))
-    return (*slides, Step(phi, "hinge", (0, 0, 1)), Step(theta, "hinge", (0, 1, 0)), Step(psi, "hinge", (1, 0, 0)))
+    psi, theta, phi = joint.coordinates[3:]
+    turns = (Step((phi,), "hinge", _Z), Step((theta,), "hinge", _Y), Step((psi,), "hinge", _X))
+    return (*_slides(joint.coordinates[:3]), *turns)
+
+
+def _planar_steps(joint: Any) -> tuple[Step, ...]:
+    """p = u e_u + w e_w, then R_axis(alpha)."""
+    along = zip(joint.coordinates[:2], transverse(joint.axis), strict=True)
+    slides = tuple(Step((name,), "slide", axis) for name, axis in along)
+    return (*slides, Step(joint.coordinates[2:], "hinge", axis_vector(joint.axis)))
+
+
+def _cylindrical_steps(joint: Any) -> tuple[Step, ...]:
+    """p = s axis, then R_axis(alpha)."""
+    s, alpha = joint.coordinates
+    axis = axis_vector(joint.axis)
+    return (Step((s,), "slide", axis), Step((alpha,), "hinge", axis))
+
+
+def _universal_steps(joint: Any) -> tuple[Step, ...]:
+    """R_axis(alpha), then R_axis2(beta)."""
+    alpha, beta = joint.coordinates
+    return (Step((alpha,), "hinge", axis_vector(joint.axis)), Step((beta,), "hinge", axis_vector(joint.axis2)))
 
 
 _STEPS: Mapping[type[AbstractTreeJoint], Callable[[Any], tuple[Step, ...]]] = {
     Free: _free_steps,
-    Revolute: lambda joint: (Step(joint.coordinates[0], "hinge", axis_vector(joint.axis)),),
-    Prismatic: lambda joint: (Step(joint.coordinates[0], "slide", axis_vector(joint.axis)),),
+    FreeQuaternion: lambda joint: (*_slides(joint.coordinates[:3]), Step(joint.coordinates[3:], "ball")),
+    Revolute: lambda joint: (Step(joint.coordinates, "hinge", axis_vector(joint.axis)),),
+    Prismatic: lambda joint: (Step(joint.coordinates, "slide", axis_vector(joint.axis)),),
+    Cylindrical: _cylindrical_steps,
+    Universal: _universal_steps,
+    Planar: _planar_steps,
+    Spherical: lambda joint: (Step(joint.coordinates, "ball"),),
+    Weld: lambda joint: (),
 }

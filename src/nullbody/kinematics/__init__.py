@@ -2,6 +2,8 @@
 
 from nullbody.kinematics.assemble import assemble
 from nullbody.kinematics.branch import Branches, branches, inverse_kinematics
+from nullbody.kinematics.chart import Configuration, coordinate_scales, regular_chart
+from nullbody.kinematics.consistent import ConsistentState, consistent
 from nullbody.kinematics.newton import project
 from nullbody.kinematics.singularity import Singularity, singularity
 from nullbody.kinematics.sweep import sweep
@@ -9,12 +11,17 @@ from nullbody.kinematics.transport import accelerations, velocities, with_rates
 
 __all__ = [
     "Branches",
+    "Configuration",
+    "ConsistentState",
     "Singularity",
     "accelerations",
     "assemble",
     "branches",
+    "consistent",
+    "coordinate_scales",
     "inverse_kinematics",
     "project",
+    "regular_chart",
     "singularity",
     "sweep",
     "velocities",

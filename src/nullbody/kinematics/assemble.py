@@ -27,6 +27,7 @@ def assemble(
     guess: State | Mapping[str, float] | None = None,
     *,
     same_branch: bool = False,
+    t: float = 0.0,
 ) -> State:
     """The state in which some coordinates have given values and all loops are closed, |Phi| <= 1e-14 m.
 
@@ -41,6 +42,7 @@ def assemble(
         v: independent rates, in order or by name; at rest by default.
         guess: a state or coordinates near the wanted branch; the mechanism's home by default.
         same_branch: raise where the branch of the guess ends before the target.
+        t: the time [s], for mechanisms with drivers.
 
     Raises:
         UnknownName, InputError: unknown names, too many, or values that are no finite numbers.
@@ -48,14 +50,14 @@ def assemble(
     """
     rate = np.zeros(len(model.independent)) if v is None else vector(v, model.independent, "independent rate")
     fixed, target = known_coordinates(model, known)
-    if len(fixed) > len(model.independent):
+    if len(fixed) > model.freedom:
         raise InputError(
-            f"{model.mechanism.name!r} has {len(model.independent)} degrees of freedom: "
+            f"{model.mechanism.name!r} has {model.freedom} degrees of freedom: "
             f"give at most as many coordinates, not {len(fixed)}; `model.state` takes all of them"
         )
     start = start_coordinates(model, guess)
     free = np.setdiff1d(np.arange(len(model.coordinates)), fixed)
-    path = _Path(model, fixed, free, start[fixed], target)
+    path = _Path(model, fixed, free, start[fixed], target, t)
     closed, reach = path.followed(start)
     if not closed.converged:
         closed = path.searched(start, closed)
@@ -63,8 +65,8 @@ def assemble(
             raise _branch_ends(known, reach, path)
     if not closed.converged:
         raise _unreachable(model, known, closed, reach, path)
-    model.check_redundant(closed.q)
-    return model.trusted_state(closed.q, rate)
+    model.check_redundant(closed.q, t)
+    return model.trusted_state(closed.q, rate, t)
 
 
 def known_coordinates(model: Model, known: Mapping[str, float]) -> tuple[IndexArray, FloatArray]:
@@ -75,7 +77,7 @@ def known_coordinates(model: Model, known: Mapping[str, float]) -> tuple[IndexAr
     """
     checked_model(model)
     if not isinstance(known, Mapping):
-        raise InputError(f"give coordinates by name, such as {{{model.independent[0]!r}: 0.6}}, not {known!r}")
+        raise InputError(f"give coordinates by name, such as {{{model.coordinates[0]!r}: 0.6}}, not {known!r}")
     for name in known:
         if name not in model.coordinates:
             raise UnknownName("coordinate", name, model.coordinates)
@@ -107,6 +109,7 @@ class _Path:
     free: IndexArray
     begin: FloatArray
     target: FloatArray
+    t: float
 
     def at(self, part: float) -> str:
         """The known coordinates after some part of the way, as a text."""
@@ -115,7 +118,7 @@ class _Path:
 
     def followed(self, start: FloatArray) -> tuple[Closed, float]:
         """Continue from the guess; the result at the target, or where it ended, and the part of the way covered."""
-        here = close_loops(self.model, start, self.free)
+        here = self._closed(start)
         if not here.converged:
             return here, 0.0
         done, step = 0.0, 1.0
@@ -134,16 +137,24 @@ class _Path:
         """Tangent prediction and Newton correction to a point of the way; None if they do not belong together."""
         predicted = q.copy()
         predicted[self.fixed] = self.begin + where * (self.target - self.begin) if where < 1.0 else self.target
-        A, side = self.model.jacobian(q), self._side(q)
+        A, side = self.model.jacobian(q, self.t), self._side(q)
         moved = predicted[self.fixed] - q[self.fixed]
         predicted[self.free] += np.linalg.lstsq(A[:, self.free], -A[:, self.fixed] @ moved, rcond=1e-6)[0]
-        closed = close_loops(self.model, predicted, self.free)
+        closed = self._closed(predicted)
         near = float(np.abs(closed.q - predicted).max(initial=0.0)) <= _LARGEST_CORRECTION
         return closed if closed.converged and near and side * self._side(closed.q) >= 0 else None
 
+    def _closed(self, q: FloatArray) -> Closed:
+        """Loops closed from a start; not where one is closed the wrong way round."""
+        closed = close_loops(self.model, q, self.free, self.t)
+        if not closed.converged:
+            return closed
+        cosines = self.model.evaluate("facing", closed.q, t=self.t)[0]
+        return closed if (cosines > 0).all() else closed._replace(converged=False)
+
     def _side(self, q: FloatArray) -> float:
         """Sign of |A_free|, which no branch changes between its ends; 0 where it is not square, or at an end."""
-        A = self.model.jacobian(q)[:, self.free]
+        A = self.model.jacobian(q, self.t)[:, self.free]
         if A.shape[0] != A.shape[1] or not A.size or np.linalg.cond(A) > _END_OF_BRANCH:
             return 0.0
         return float(np.linalg.slogdet(A)[0])
@@ -158,7 +169,7 @@ class _Path:
             if k > 1:
                 q[self.free] += draw.normal(scale=0.1 + 0.3 * (k % 3), size=len(self.free))
             q[self.fixed] = self.target
-            closed = close_loops(self.model, q, self.free)
+            closed = self._closed(q)
             if closed.converged:
                 found.append(closed)
             elif closed.residual < closest.residual:
@@ -176,17 +187,17 @@ class _Path:
 
         def gaps(x: FloatArray) -> FloatArray:
             q[self.free] = x
-            return self.model.residual(q)
+            return self.model.residual(q, self.t)
 
         def slopes(x: FloatArray) -> FloatArray:
             q[self.free] = x
-            return self.model.jacobian(q)[:, self.free]
+            return self.model.jacobian(q, self.t)[:, self.free]
 
         fit = least_squares(gaps, q[self.free].copy(), jac=slopes, method="trf", x_scale=1.0)
         q[self.free] = fit.x
         residual = float(np.abs(fit.fun).max(initial=0.0))
         return Closed(
-            q, residual, closed.steps, closed.moved, converged=residual <= closed_to(self.model.jacobian(q), q)
+            q, residual, closed.steps, closed.moved, converged=residual <= closed_to(self.model.jacobian(q, self.t), q)
         )
 
 
@@ -201,10 +212,10 @@ def _branch_ends(known: Mapping[str, float], reach: float, path: _Path) -> Assem
 
 
 def _unreachable(model: Model, known: Mapping[str, float], closed: Closed, reach: float, path: _Path) -> AssemblyError:
-    Phi = model.residual(closed.q)
+    Phi = model.residual(closed.q, path.t)
     gaps: dict[str, float] = {}
-    for label, component in zip(model.labels, Phi, strict=True):
-        loop = label.split()[0]
+    for label, component in zip(model.closure_labels, Phi, strict=True):
+        loop = label.rpartition(" ")[0]
         gaps[loop] = float(np.hypot(gaps.get(loop, 0.0), component))
     worst = max(gaps, key=lambda loop: gaps[loop])
     wanted = ", ".join(f"{name} = {float(value):.4g}" for name, value in known.items())

@@ -60,8 +60,8 @@ def branches(model: Model, known: Mapping[str, float], guess: State | Mapping[st
         UnknownName, InputError: unknown names, a wrong number of them, values that are no finite numbers.
     """
     fixed, values = known_coordinates(model, known)
-    if len(fixed) != len(model.independent):
-        raise InputError(f"give {len(model.independent)} coordinates to enumerate branches, not {len(fixed)}")
+    if len(fixed) != model.freedom:
+        raise InputError(f"give {model.freedom} coordinates to enumerate branches, not {len(fixed)}")
     start = start_coordinates(model, guess)
     free = np.setdiff1d(np.arange(len(model.coordinates)), fixed)
     closed_form = closed_form_of(model.mechanism)
@@ -74,7 +74,7 @@ def branches(model: Model, known: Mapping[str, float], guess: State | Mapping[st
         q[fixed] = values
         closed = close_loops(model, q, free)
         q = _wrapped(model, closed.q)
-        if closed.converged and not any(_distance(model, q, other) < _SAME for other in found):
+        if closed.converged and _right_way(model, q) and not any(_distance(model, q, other) < _SAME for other in found):
             found.append(q)
             complete = complete and number < len(exact)
     found.sort(key=lambda q: _distance(model, q, start))
@@ -100,9 +100,9 @@ def inverse_kinematics(
         SingularityError: the pose does not determine the mechanism.
     """
     fixed, values = known_coordinates(model, pose)
-    if len(fixed) != len(model.independent):
+    if len(fixed) != model.freedom:
         raise InputError(
-            f"a pose of {model.mechanism.name!r} is {len(model.independent)} of its coordinates, "
+            f"a pose of {model.mechanism.name!r} is {model.freedom} of its coordinates, "
             f"usually of the end effector, not {len(fixed)}"
         )
     closed_form = closed_form_of(model.mechanism)
@@ -124,7 +124,7 @@ def inverse_kinematics(
 def _determined(model: Model, state: State, pose: Mapping[str, float], fixed: IndexArray) -> State:
     """The state, if the pose determines it: the other coordinates cannot move with the pose held."""
     free = np.setdiff1d(np.arange(len(state.q)), fixed)
-    sizes = np.linalg.svd(model.jacobian(state.q)[:, free], compute_uv=False)
+    sizes = np.linalg.svd(model.jacobian(state.q)[:, free], compute_uv=False)[: len(free)]
     if len(sizes) and sizes[-1] < _SINGULAR * sizes[0]:
         raise SingularityError(
             f"{', '.join(pose)} do not determine {model.mechanism.name!r} here (smallest to largest singular value "
@@ -144,6 +144,11 @@ def _random_starts(
         q = np.where(angles, draw.uniform(-np.pi, np.pi, len(start)), start + draw.uniform(-size, size, len(start)))
         starts.append(q)
     return starts
+
+
+def _right_way(model: Model, q: FloatArray) -> bool:
+    """Whether no loop is closed with an axis reversed."""
+    return bool((model.evaluate("facing", q)[0] > 0).all())
 
 
 def _wrapped(model: Model, q: FloatArray) -> FloatArray:

@@ -36,7 +36,7 @@ def closed_to(A: FloatArray, q: FloatArray) -> float:
     return max(CLOSED, min(32 * EPS * float(lengths.max(initial=0.0)), GIVEN_CLOSED))
 
 
-def close_loops(model: Model, q: FloatArray, free: IndexArray) -> Closed:
+def close_loops(model: Model, q: FloatArray, free: IndexArray, t: float = 0.0) -> Closed:
     """Solve Phi(q) = 0 for the free coordinates by Newton with least-squares steps.
 
         dq_free = -A_free^+ Phi
@@ -48,30 +48,42 @@ def close_loops(model: Model, q: FloatArray, free: IndexArray) -> Closed:
         model: the model.
         q: a guess of all coordinates.
         free: indices of the coordinates that may change.
+        t: the time [s].
     """
     q = q.copy()
     moved = 0.0
-    Phi, A = model.evaluate("closure", q)
+    rank = min(model.holonomic_rank, len(free))
+    Phi, A = _closure(model, q, t)
     residual = float(np.abs(Phi).max(initial=0.0))
+    step = 0
     for step in range(NEWTON_STEPS):
         if residual <= EPS or not np.isfinite(residual):
             return Closed(q, residual, step, moved, converged=residual <= EPS)
-        change = _newton_step(A[:, free], Phi)
+        change = _newton_step(A[:, free], Phi, rank)
         length = float(np.abs(change).max(initial=0.0))
         if length > _LONGEST_STEP:
             change *= _LONGEST_STEP / length
         q[free] += change
         moved += min(length, _LONGEST_STEP)
-        Phi, A = model.evaluate("closure", q)
+        Phi, A = _closure(model, q, t)
         residual = float(np.abs(Phi).max(initial=0.0))
         if length <= _SETTLED:
             break
     return Closed(q, residual, step + 1, moved, converged=bool(residual <= closed_to(A, q)))
 
 
-def _newton_step(A: FloatArray, Phi: FloatArray) -> FloatArray:
-    """-A^+ Phi: by LU where A is square and regular, by singular values otherwise."""
-    if A.shape[0] == A.shape[1]:
+def _closure(model: Model, q: FloatArray, t: float) -> tuple[FloatArray, FloatArray]:
+    """Phi and its Jacobian."""
+    Phi, A = model.evaluate("closure", q, t=t)
+    return Phi, A.reshape(len(Phi), len(q))
+
+
+def _newton_step(A: FloatArray, Phi: FloatArray, rank: int) -> FloatArray:
+    """-A^+ Phi: by LU where A is square and regular, otherwise by that many singular values at most.
+
+    Rows that repeat others only where the loops are closed have a small singular value nearby, which must not steer.
+    """
+    if A.shape[0] == A.shape[1] == rank:
         try:
             change = np.asarray(np.linalg.solve(A, -Phi), dtype=np.float64)
         except np.linalg.LinAlgError:
@@ -79,10 +91,15 @@ def _newton_step(A: FloatArray, Phi: FloatArray) -> FloatArray:
         else:
             if np.abs(change).max(initial=0.0) <= _LONGEST_STEP:
                 return change
-    return np.asarray(np.linalg.lstsq(A, -Phi, rcond=_RANK)[0], dtype=np.float64)
+    if not A.size:
+        return np.zeros(A.shape[1])
+    left, sizes, right = np.linalg.svd(A, full_matrices=False)
+    used = min(rank, int(np.sum(sizes > _RANK * sizes[0])))
+    change = -(right[:used].T @ ((left[:, :used].T @ Phi) / sizes[:used]))
+    return np.asarray(change, dtype=np.float64)
 
 
-def project(model: Model, q: FloatArray) -> tuple[FloatArray, float]:
+def project(model: Model, q: FloatArray, t: float = 0.0) -> tuple[FloatArray, float]:
     """The nearest point of the constraint manifold and its |Phi|: q - A^+ Phi, repeated [m]."""
-    closed = close_loops(model, q, np.arange(len(q)))
+    closed = close_loops(model, q, np.arange(len(q)), t)
     return closed.q, closed.residual

@@ -39,7 +39,8 @@ class Singularity:
 def singularity(model: Model, state: State) -> Singularity:
     """The singularity measures at a state (Gosselin and Angeles 1990 for the types)."""
     checked_model(model)
-    A = model.jacobian(model.own(state).q)
+    state = model.own(state)
+    A, _ = model.rows(state.q, state.t)
     names = list(model.coordinates)
     dependent = [names.index(name) for name in model.dependent]
     task: tuple[str, ...] = ()
@@ -47,7 +48,7 @@ def singularity(model: Model, state: State) -> Singularity:
         if joint.child == model.mechanism.end_effector:
             task = joint.coordinates
     others = [j for j, name in enumerate(names) if name not in task]
-    _, _, _, delta, spread, _ = model.evaluate("kinematics", state.q, state.v)
+    _, _, _, delta, spread, _ = model.evaluate("kinematics", state.q, state.v, t=state.t)
     return Singularity(
         forward=_ratio(_unit_columns(A[:, dependent])),
         inverse=_ratio(_unit_columns(A[:, others])) if task else float("nan"),

@@ -17,14 +17,15 @@ _SMALLEST_RATIO = 1e-9  # of singular values, below which the given rates do not
 
 
 def velocities(model: Model, q: State | FloatArray, known: Mapping[str, float]) -> FloatArray:
-    """All rates q' with A q' = 0 for given rates of nv coordinates, e.g. of the platform [m/s, rad/s].
+    """All rates q' with A q' + b = 0 for given rates of nv coordinates, e.g. of the platform [m/s, rad/s].
 
     Raises:
         InputError: not as many rates as degrees of freedom.
         SingularityError: these rates do not determine the others here.
     """
-    position = q.q if isinstance(q, State) else q
-    return _completed(model, position, known, np.zeros(len(model.labels)), "rate")
+    position, t = (q.q, q.t) if isinstance(q, State) else (q, 0.0)
+    A, b = model.rows(position, t)
+    return _completed(model, A, known, b, "rate")
 
 
 def accelerations(model: Model, state: State, known: Mapping[str, float]) -> FloatArray:
@@ -35,8 +36,8 @@ def accelerations(model: Model, state: State, known: Mapping[str, float]) -> Flo
         SingularityError: these accelerations do not determine the others here.
     """
     gamma = model.null_space(state).gamma
-    c = -model.jacobian(state.q) @ gamma
-    return _completed(model, state.q, known, c, "acceleration")
+    A, _ = model.rows(state.q, state.t)
+    return _completed(model, A, known, -A @ gamma, "acceleration")
 
 
 def with_rates(model: Model, state: State, known: Mapping[str, float]) -> State:
@@ -46,23 +47,22 @@ def with_rates(model: Model, state: State, known: Mapping[str, float]) -> State:
         InputError, SingularityError: as `velocities`.
     """
     q_dot = velocities(model, state, known)
-    return model.trusted_state(state.q.copy(), q_dot[model.independent_columns])
+    return model.trusted_state(state.q.copy(), q_dot[model.independent_columns], state.t)
 
 
-def _completed(model: Model, q: FloatArray, known: Mapping[str, float], c: FloatArray, kind: str) -> FloatArray:
+def _completed(model: Model, A: FloatArray, known: Mapping[str, float], c: FloatArray, kind: str) -> FloatArray:
     """x with A x + c = 0 and given entries."""
     fixed, values = known_coordinates(model, known)
     if len(fixed) != len(model.independent):
         raise InputError(f"give the {kind}s of {len(model.independent)} coordinates, not of {len(fixed)}")
     free = np.setdiff1d(np.arange(len(model.coordinates)), fixed)
-    A = model.jacobian(q)
     left, sizes, right = np.linalg.svd(A[:, free], full_matrices=False)
     if len(sizes) and sizes[-1] < _SMALLEST_RATIO * sizes[0]:
         raise SingularityError(
             f"the {kind}s of {', '.join(known)} do not determine the others here "
             f"(smallest to largest singular value {sizes[-1] / sizes[0]:.1e}). Give those of other coordinates"
         )
-    x = np.empty(len(q))
+    x = np.empty(len(model.coordinates))
     x[fixed] = values
     x[free] = right.T @ ((left.T @ (-c - A[:, fixed] @ values)) / sizes)
     return x

@@ -1,34 +1,36 @@
-"""Mechanism: bodies, joints, loops, actuators and parameters as plain frozen data."""
+"""Mechanism: bodies, joints, loops, constraints, loads, actuators and parameters as plain frozen data."""
 
 from __future__ import annotations
 
-import re
-from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from math import isfinite
-from typing import Any
 
-from nullbody.errors import ExpressionError, MechanismError, ParameterError, UnknownName
-from nullbody.expr.parse import parse
-from nullbody.mechanism.body import AXES, GROUND, Body, Placement
+from nullbody.errors import MechanismError, UnknownName
+from nullbody.expr.parse import names_in, parse
+from nullbody.mechanism.body import GROUND, Body
+from nullbody.mechanism.check import check_mechanism, check_values
+from nullbody.mechanism.constraints.base import AbstractConstraint
 from nullbody.mechanism.joints.base import AbstractLoopJoint, AbstractTreeJoint
-from nullbody.mechanism.parameter import Parameter, check_expression, parameter_values
+from nullbody.mechanism.loads.base import AbstractLoad
+from nullbody.mechanism.parameter import Parameter, parameter_values
 from nullbody.typing import Scalar, Triple
 
 __all__ = ["Actuator", "Mechanism"]
 
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-_RESERVED = {"pi", "sqrt", "sin", "cos", "t", GROUND}
-_INERTIA_SLACK = 1e-9  # relative; a disc or a rod meets the triangle inequality with equality, up to rounding
-
 
 @dataclass(frozen=True)
 class Actuator:
-    """A force [N] or torque [N m] that acts along one coordinate, conjugate to it."""
+    """A force [N] or torque [N m] that acts along one coordinate, conjugate to it.
+
+    Attributes:
+        name: of the input.
+        coordinate: along which it acts.
+        limits: least and largest value; a simulation holds the input within them. None is without limits.
+    """
 
     name: str
     coordinate: str
+    limits: tuple[Scalar, Scalar] | None = None
 
 
 @dataclass(frozen=True)
@@ -40,11 +42,13 @@ class Mechanism:
         bodies: all but the ground.
         joints: the spanning tree, one joint for each body; their order is the order of the coordinates.
         loops: the joints that close loops.
+        constraints: couplings, drivers, rolling contacts, equations of your own.
+        loads: springs, dampers, friction, external wrenches, energies of your own.
         actuators: the inputs u.
         parameters: symbols that lengths, masses and so on are written in.
         gravity: acceleration of gravity in the ground frame [m/s^2].
         home: coordinates of a configuration in which the loops close for every parameter set, or nearly;
-            missing ones are 0.
+            missing ones are those at which their joint's frames coincide: 0, and 1 for e0 of Euler parameters.
         end_effector: the body whose coordinates are the task.
 
     Raises:
@@ -55,6 +59,8 @@ class Mechanism:
     bodies: tuple[Body, ...]
     joints: tuple[AbstractTreeJoint, ...]
     loops: tuple[AbstractLoopJoint, ...] = ()
+    constraints: tuple[AbstractConstraint, ...] = ()
+    loads: tuple[AbstractLoad, ...] = ()
     actuators: tuple[Actuator, ...] = ()
     parameters: tuple[Parameter, ...] = ()
     gravity: Triple = (0, 0, 0)
@@ -62,9 +68,7 @@ class Mechanism:
     end_effector: str | None = None
 
     def __post_init__(self) -> None:
-        self._check_names()
-        self._check_tree()
-        self._check_expressions()
+        check_mechanism(self)
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -86,6 +90,30 @@ class Mechanism:
         """The coordinates that actuators act on, in the order of the actuators."""
         return tuple(actuator.coordinate for actuator in self.actuators)
 
+    @property
+    def rheonomic(self) -> bool:
+        """Whether the time itself enters: by a driver, a load or an equation of your own."""
+        parts = (*self.constraints, *self.loads)
+        return any("t" in names_in(text) for part in parts for text in part.expressions)
+
+    @property
+    def holonomic_rows(self) -> tuple[tuple[str, str], ...]:
+        """(label, unit) of every equation Phi(q, t) = 0: loops, constraints, then Euler parameters."""
+        return tuple(self._holonomic_rows())
+
+    def _holonomic_rows(self) -> Iterator[tuple[str, str]]:
+        for loop in self.loops:
+            yield from ((f"{loop.name} {row}", unit) for row, unit in zip(loop.rows, loop.row_units, strict=True))
+        for constraint in self.constraints:
+            yield from ((f"{constraint.name} {row}", unit) for row, unit in constraint.holonomic_rows)
+        for joint in self.joints:
+            yield from ((f"{joint.name} {row}", "") for row in joint.own_rows)
+
+    @property
+    def nonholonomic_rows(self) -> tuple[tuple[str, str], ...]:
+        """(label, unit) of every equation in rates that no equation in q stands behind."""
+        return tuple((f"{c.name} {row}", unit) for c in self.constraints for row, unit in c.nonholonomic_rows)
+
     def __str__(self) -> str:
         """A summary for the terminal."""
         lines = [f"Mechanism {self.name!r}: {len(self.bodies)} bodies, {len(self.coordinates)} coordinates"]
@@ -95,7 +123,9 @@ class Mechanism:
                 f"  {joint.name}: {kind} joint, {joint.parent} -> {joint.child}, {' '.join(joint.coordinates)}"
             )
         for loop in self.loops:
-            lines.append(f"  {loop.name}: {type(loop).__name__.lower()} loop joint, {loop.body_a} - {loop.body_b}")
+            lines.append(f"  {loop.name}: {type(loop).__name__.lower()} loop joint, {loop.parent} - {loop.child}")
+        for part in (*self.constraints, *self.loads):
+            lines.append(f"  {part.name}: {type(part).__name__.lower()}")
         acting = ", ".join(f"{actuator.name} on {actuator.coordinate}" for actuator in self.actuators)
         lines.append(f"  inputs: {acting or 'none'}")
         lines.append(f"  parameters: {', '.join(f'{p.name} = {p.default}' for p in self.parameters) or 'none'}")
@@ -119,16 +149,21 @@ class Mechanism:
             ParameterError: a value is of the wrong kind or sign, or a body gets an impossible inertia.
         """
         values = parameter_values(self.parameters, given or {})
-        for place, scalars in self._scalars():
-            for scalar in scalars:
-                _finite(scalar, values, place)
-        for body in self.bodies:
-            _check_physical(body, values)
+        check_values(self, values)
         return values
 
     def home_values(self, values: Mapping[str, float]) -> dict[str, float]:
         """The home configuration for these parameter values."""
-        return {name: float(parse(self.home.get(name, 0), values.__getitem__)) for name in self.coordinates}
+        zero = {name: at for joint in self.joints for name, at in zip(joint.coordinates, joint.zero, strict=True)}
+        return {name: float(parse(self.home.get(name, zero[name]), values.__getitem__)) for name in self.coordinates}
+
+    def limits(self, values: Mapping[str, float]) -> tuple[tuple[float, float], ...]:
+        """Least and largest value of each input for these parameter values; infinite where there is none."""
+        whole = (float("-inf"), float("inf"))
+        return tuple(
+            whole if a.limits is None else (float(parse(a.limits[0], values.__getitem__)), float(parse(a.limits[1], values.__getitem__)))
+            for a in self.actuators
+        )
 
     def tree_order(self) -> list[AbstractTreeJoint]:
         """The tree joints ordered so that each parent comes before its children."""
@@ -142,135 +177,3 @@ class Mechanism:
             placed.update(joint.child for joint in ready)
             waiting = [joint for joint in waiting if joint not in ready]
         return order
-
-    def _check_names(self) -> None:
-        kinds: dict[str, list[str]] = {
-            "body": [body.name for body in self.bodies],
-            "joint": [joint.name for joint in self.joints] + [loop.name for loop in self.loops],
-            "coordinate, parameter or input": [*self.coordinates, *(p.name for p in self.parameters), *self.inputs],
-        }
-        for kind, names in kinds.items():
-            for name, times in Counter(names).items():
-                if times > 1:
-                    raise MechanismError(f"the {kind} name {name!r} is used {times} times in {self.name!r}")
-                if kind != "joint" and (not _NAME.fullmatch(name) or name in _RESERVED):
-                    raise MechanismError(f"{name!r} cannot name a {kind}: letters, digits and _, not {_reserved()}")
-        for name in self.coordinates:
-            for rate in (f"{name}_dot", f"{name}_ddot"):
-                if rate in kinds["coordinate, parameter or input"]:
-                    raise MechanismError(f"{rate!r} cannot be a name: it stands for a rate of the coordinate {name!r}")
-        for joint in self.joints:
-            if len(joint.coordinates) != joint.size:
-                raise MechanismError(
-                    f"joint {joint.name!r} has {joint.size} coordinates, {len(joint.coordinates)} were named"
-                )
-        for actuator in self.actuators:
-            if actuator.coordinate not in self.coordinates:
-                raise UnknownName("coordinate", actuator.coordinate, self.coordinates, f"actuator {actuator.name!r}")
-        for name in self.home:
-            if name not in self.coordinates:
-                raise UnknownName("coordinate", name, self.coordinates, "home")
-
-    def _check_tree(self) -> None:
-        known = [GROUND, *(body.name for body in self.bodies)]
-        sides = [(joint.name, side) for joint in self.joints for side in (joint.parent, joint.child)]
-        sides += [(loop.name, side) for loop in self.loops for side in (loop.body_a, loop.body_b)]
-        for joint_name, body_name in sides:
-            if body_name not in known:
-                raise UnknownName("body", body_name, known, f"joint {joint_name!r}")
-        if self.end_effector is not None and self.end_effector not in known:
-            raise UnknownName("body", self.end_effector, known, "end effector")
-        children = Counter(joint.child for joint in self.joints)
-        for body in self.bodies:
-            if children[body.name] != 1:
-                raise MechanismError(
-                    f"body {body.name!r} must be the child of exactly one tree joint, not of {children[body.name]}; "
-                    "joints that close loops belong in `loops`"
-                )
-        if GROUND in children:
-            raise MechanismError("the ground cannot be the child of a joint")
-        self.tree_order()
-
-    def _check_expressions(self) -> None:
-        known = {parameter.name for parameter in self.parameters}
-        for place, scalars in self._scalars():
-            for scalar in scalars:
-                check_expression(scalar, known, place)
-
-    def _scalars(self) -> Iterable[tuple[str, Iterable[Any]]]:
-        yield "gravity", _three(self.gravity, "gravity")
-        yield "home", self.home.values()
-        for parameter in self.parameters:
-            yield f"the default of {parameter.name}", [parameter.default]
-        for body in self.bodies:
-            if len(body.inertia) not in (3, 6):
-                raise MechanismError(f"body {body.name!r} needs 3 or 6 inertia entries, not {len(body.inertia)}")
-            place = f"body {body.name!r}"
-            yield place, [body.mass, *_three(body.centre, place), *body.inertia]
-        for joint in self.joints:
-            place = f"joint {joint.name!r}"
-            _check_axis(getattr(joint, "axis", "x"), place)
-            yield place, _three(joint.at.position, place)
-            yield place, _angles(joint.at, place)
-        for loop in self.loops:
-            place = f"loop {loop.name!r}"
-            yield place, [*_three(loop.point_a, place), *_three(loop.point_b, place)]
-
-
-def _reserved() -> str:
-    return ", ".join(sorted(_RESERVED))
-
-
-def _three(triple: object, place: str) -> list[Any]:
-    if not isinstance(triple, list | tuple) or len(triple) != 3:
-        raise MechanismError(f"{place} needs three components along x, y, z, not {triple!r}")
-    return list(triple)
-
-
-def _check_axis(axis: object, place: str) -> None:
-    if axis not in AXES:
-        raise MechanismError(f"{place} has the axis {axis!r}; choose one of {', '.join(AXES)}")
-
-
-def _angles(placement: Placement, place: str) -> list[Scalar]:
-    """The angles of a placement's rotations."""
-    angles: list[Scalar] = []
-    for rotation in placement.rotations:
-        _check_axis(rotation.axis, f"a rotation of {place}")
-        if isinstance(rotation.degrees, str):
-            raise MechanismError(f"a rotation of {place} needs a number of degrees; write expressions in radians")
-        given = [angle for angle in (rotation.degrees, rotation.radians) if angle is not None]
-        if len(given) != 1:
-            raise MechanismError(f"a rotation of {place} needs either degrees or radians")
-        angles += given
-    return angles
-
-
-def _finite(scalar: Any, values: Mapping[str, float], place: str) -> None:
-    try:
-        number = float(parse(scalar, values.__getitem__))
-    except ExpressionError as error:
-        raise ParameterError(f"{place}: {error}") from None
-    if not isfinite(number):
-        raise ParameterError(f"{place}: {scalar!r} is {number} for these parameters")
-
-
-def _check_physical(body: Body, values: Mapping[str, float]) -> None:
-    """Mass and principal moments of a rigid body: m >= 0, moments >= 0, none above the sum of the others."""
-    import numpy as np
-
-    try:
-        mass = float(parse(body.mass, values.__getitem__))
-        matrix = np.array([[float(parse(e, values.__getitem__)) for e in row] for row in body.inertia_matrix])
-    except ExpressionError as error:
-        raise ParameterError(f"body {body.name!r}: {error}") from None
-    if mass < 0:
-        raise ParameterError(f"body {body.name!r} would have the mass {mass:g} kg")
-    moments = np.linalg.eigvalsh(matrix)
-    slack = _INERTIA_SLACK * float(np.abs(moments).max())
-    if moments[0] < -slack or moments[2] > moments[0] + moments[1] + slack:
-        shown = ", ".join(f"{moment:.6g}" for moment in moments)
-        raise ParameterError(
-            f"body {body.name!r} would have the principal moments of inertia {shown} kg m^2: "
-            "none may be negative or above the sum of the other two"
-        )

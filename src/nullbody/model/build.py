@@ -34,6 +34,9 @@ def build(equations: Equations, parameters: Mapping[str, float] | None = None) -
         mechanism=equations.mechanism,
         independent=equations.independent,
         labels=equations.labels,
+        closure_labels=equations.closure_labels,
+        facing=equations.facing,
+        mobility=equations.mobility,
         given=MappingProxyType(given),
         values=tuple(values.values()),
         library=library,
@@ -41,10 +44,10 @@ def build(equations: Equations, parameters: Mapping[str, float] | None = None) -
 
 
 def programs(equations: Equations) -> list[Program]:
-    """The routines of some equations as programs; parameters p are the last input group of each."""
+    """The routines of some equations as programs; the time, where it enters, and parameters p come last in each."""
     made = []
     for name, routine in equations.routines.items():
-        groups = [*routine.inputs, "p"]
+        groups = [*routine.inputs, *(["t"] if equations.groups["t"] else []), "p"]
         inputs = [symbol for group in groups for symbol in equations.groups[group]]
         results = [expression for output in routine.outputs.values() for expression in flat(output)]
         made.append(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -10,9 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from nullbody.equations import Mobility
 from nullbody.errors import AssemblyError, InputError, SingularityError, StateError
 from nullbody.kernels import Library
 from nullbody.mechanism import Mechanism
+from nullbody.model.actuation import Actuation, solved
 from nullbody.model.state import State, vector
 from nullbody.tolerances import GIVEN_CLOSED, LARGE_SPREAD, REGULAR_DOUBT, REGULAR_LOSS, REGULAR_SPREAD
 from nullbody.typing import FloatArray
@@ -57,7 +59,10 @@ class Model:
     Attributes:
         mechanism: what it models.
         independent: names of the independent coordinates; v holds their rates.
-        labels: loop and direction of every closure equation.
+        labels: where every row of A comes from ("leg1 x"), in the order of lambda.
+        closure_labels: the same for Phi.
+        facing: loops that could also close with an axis reversed.
+        mobility: how many degrees of freedom there are, and why.
         given: parameter values that differ from the mechanism's own.
         values: values of all parameters, in the mechanism's order.
         library: the kernels.
@@ -66,6 +71,9 @@ class Model:
     mechanism: Mechanism
     independent: tuple[str, ...]
     labels: tuple[str, ...]
+    closure_labels: tuple[str, ...]
+    facing: tuple[str, ...]
+    mobility: Mobility
     given: Mapping[str, float]
     values: tuple[float, ...]
     library: Library
@@ -99,6 +107,33 @@ class Model:
         return [units[name] == "rad" for name in self.coordinates]
 
     @cached_property
+    def rheonomic(self) -> bool:
+        """Whether the time itself enters."""
+        return self.mechanism.rheonomic
+
+    @cached_property
+    def holonomic_rank(self) -> int:
+        """How many closures are independent on the constraint manifold: rank A less the nonholonomic rows."""
+        slips = {label for label, _ in self.mechanism.nonholonomic_rows}
+        return sum(label not in slips for label in self.labels)
+
+    @cached_property
+    def all_labels(self) -> tuple[str, ...]:
+        """Labels of all rows: those of Phi, then nonholonomic ones."""
+        return (*self.closure_labels, *(label for label in self.labels if label not in self.closure_labels))
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom of positions; more than those of velocities where something rolls."""
+        return len(self.coordinates) - self.holonomic_rank
+
+    @cached_property
+    def limits(self) -> tuple[FloatArray, FloatArray]:
+        """Least and largest inputs [N, N m]; infinite where there are none."""
+        pairs = np.array(self.mechanism.limits(self.parameters), dtype=float).reshape(-1, 2)
+        return pairs[:, 0], pairs[:, 1]
+
+    @cached_property
     def inputs(self) -> tuple[str, ...]:
         """Names of the inputs u."""
         return self.mechanism.inputs
@@ -123,12 +158,25 @@ class Model:
 
     # -- states ---------------------------------------------------------------------------------------------
 
-    def state(self, q: object, v: object = None) -> State:
+    def in_chart(self, independent: Sequence[str], rows: Sequence[str] | None = None) -> Model:
+        """The same model written in other independent coordinates; derived and compiled once a process.
+
+        Raises:
+            UnknownName, InputError, SingularityError: as `derive`.
+        """
+        from nullbody.model.chart import chart
+
+        if tuple(independent) == self.independent and rows is None:
+            return self
+        return chart(self, tuple(independent), None if rows is None else tuple(rows))
+
+    def state(self, q: object, v: object = None, *, t: float = 0.0) -> State:
         """A checked state.
 
         Args:
             q: all coordinates, in the order of `coordinates` or by name [m, rad].
             v: independent rates, in the order of `independent` or by name; at rest by default [m/s, rad/s].
+            t: the time [s], for mechanisms with drivers.
 
         Raises:
             UnknownName, InputError: wrong names, sizes or values.
@@ -137,12 +185,12 @@ class Model:
         """
         position = vector(q, self.coordinates, "coordinate")
         rate = np.zeros(len(self.independent)) if v is None else vector(v, self.independent, "independent rate")
-        self._check_closed(position)
-        return self.trusted_state(position, rate)
+        self._check_closed(position, t)
+        return self.trusted_state(position, rate, t)
 
-    def trusted_state(self, q: FloatArray, v: FloatArray) -> State:
+    def trusted_state(self, q: FloatArray, v: FloatArray, t: float = 0.0) -> State:
         """A state that the caller has closed already (Newton, projection): not checked."""
-        return State(q, v, self.coordinates, self.independent, self.values)
+        return State(q, v, self.coordinates, self.independent, self.values, t)
 
     # -- kernels --------------------------------------------------------------------------------------------
 
@@ -152,20 +200,33 @@ class Model:
         array.flags.writeable = False
         return array
 
-    def evaluate(self, routine: str, *groups: FloatArray) -> tuple[FloatArray, ...]:
+    def evaluate(self, routine: str, *groups: FloatArray, t: float = 0.0) -> tuple[FloatArray, ...]:
         """Call a kernel on raw vectors, without any check: all outputs of the routine in their order."""
+        if self.rheonomic:
+            return self.library.kernels[routine](*groups, np.array([t]), self._p)
         return self.library.kernels[routine](*groups, self._p)
 
-    def residual(self, q: FloatArray) -> FloatArray:
-        """Phi(q) [m], without any check."""
-        return self.evaluate("closure", q)[0]
+    def residual(self, q: FloatArray, t: float = 0.0) -> FloatArray:
+        """Phi(q, t) [m], without any check."""
+        return self.evaluate("closure", q, t=t)[0]
 
-    def jacobian(self, q: FloatArray) -> FloatArray:
-        """A(q) = dPhi/dq, nc x nq, without any check."""
-        return self.evaluate("closure", q)[1].reshape(len(self.labels), len(self.coordinates))
+    def jacobian(self, q: FloatArray, t: float = 0.0) -> FloatArray:
+        """dPhi/dq, a row for each of `closure_labels`, without any check."""
+        return self.evaluate("closure", q, t=t)[1].reshape(len(self.closure_labels), len(self.coordinates))
+
+    def rows(self, q: FloatArray, t: float = 0.0) -> tuple[FloatArray, FloatArray]:
+        """A and b of A q' + b = 0, a row for each of `labels`, without any check."""
+        A, b = self.evaluate("rows", q, t=t)
+        return A.reshape(len(self.labels), len(self.coordinates)), b
+
+    def all_rows(self, q: FloatArray, t: float = 0.0) -> tuple[tuple[str, ...], FloatArray]:
+        """Labels and rows of A, those included that repeat others only where the loops are closed."""
+        A, _ = self.rows(q, t)
+        slips = [i for i, label in enumerate(self.labels) if label not in self.closure_labels]
+        return self.all_labels, np.vstack([self.jacobian(q, t), A[slips]])
 
     def null_space(self, state: State) -> NullSpaceValues:
-        """N, gamma and delta at a state: q' = N v, q'' = N v' + gamma.
+        """N, gamma and delta at a state: q' = N v + beta, q'' = N v' + gamma.
 
         Raises:
             SingularityError: |B| vanishes for these independent coordinates.
@@ -174,7 +235,7 @@ class Model:
         return NullSpaceValues(N, gamma, float(delta))
 
     def velocity(self, state: State) -> FloatArray:
-        """q' = N v, all rates [m/s, rad/s].
+        """q' = N v + beta, all rates [m/s, rad/s].
 
         Raises:
             SingularityError: |B| vanishes for these independent coordinates.
@@ -206,27 +267,44 @@ class Model:
     def inverse_dynamics(self, state: State, v_dot: object) -> FloatArray:
         """u with Br u = Mr v' + hr: the inputs for given independent accelerations [42].
 
+        With more inputs than degrees of freedom, the inputs of least norm; `actuation` gives the others too.
+
         Args:
             state: where and how fast.
             v_dot: accelerations of the independent coordinates, in order or by name.
 
         Raises:
-            InputError: the mechanism has not one input for each degree of freedom.
+            InputError: fewer inputs than degrees of freedom; `actuation` gives what they can do.
             SingularityError: |B| vanishes, or the inputs cannot drive the mechanism here.
         """
         wanted = vector(v_dot, self.independent, "independent acceleration")
-        if len(self.inputs) != len(self.independent):
+        if len(self.inputs) < len(self.independent):
             raise InputError(
-                f"inverse dynamics needs one input for each of the {len(self.independent)} degrees of freedom; "
-                f"{self.mechanism.name!r} has {len(self.inputs)}. `generalized_forces` gives N^T Q instead"
+                f"{self.mechanism.name!r} has {len(self.inputs)} inputs for {len(self.independent)} degrees of freedom: "
+                "not every motion can be driven. `actuation` gives the inputs that come nearest and the forces that "
+                "are missing, `generalized_forces` gives N^T Q"
             )
-        self.own(state)
-        Qr, u, *measures = self.evaluate("inverse_dynamics", state.q, state.v, wanted)
-        self._check_dynamic(Qr, *measures)
+        state = self.own(state)
+        Qr, u, Br = self._inverse(state, wanted)
+        if len(self.inputs) > len(self.independent):
+            found = solved(Qr, Br.reshape(len(Qr), -1))
+            u = found.u if found.rank == len(Qr) else np.full(len(self.inputs), np.nan)
         if len(u) != len(self.inputs) or not np.isfinite(u).all():
             where = "anywhere" if len(u) != len(self.inputs) else "here: some motion needs no work of theirs"
             raise SingularityError(f"the inputs {', '.join(self.inputs)} cannot drive all degrees of freedom {where}")
         return u
+
+    def actuation(self, state: State, v_dot: object) -> Actuation:
+        """What the inputs can do for given independent accelerations, with any number of inputs.
+
+            minimise |Br u - Qr|, then |u|;   residual = Qr - Br u;   Br null_space = 0
+
+        Raises:
+            SingularityError: |B| vanishes for these independent coordinates.
+        """
+        wanted = vector(v_dot, self.independent, "independent acceleration")
+        Qr, _, Br = self._inverse(self.own(state), wanted)
+        return solved(Qr, Br.reshape(len(Qr), len(self.inputs)))
 
     def generalized_forces(self, state: State, v_dot: object) -> FloatArray:
         """N^T Q = Mr v' + hr: forces along the independent coordinates for given accelerations [42].
@@ -234,26 +312,25 @@ class Model:
         Raises:
             SingularityError: |B| vanishes for these independent coordinates.
         """
-        wanted = vector(v_dot, self.independent, "independent acceleration")
-        self.own(state)
-        Qr, _, *measures = self.evaluate("inverse_dynamics", state.q, state.v, wanted)
-        self._check_dynamic(Qr, *measures)
-        return Qr
+        return self._inverse(self.own(state), vector(v_dot, self.independent, "independent acceleration"))[0]
 
     def reactions(self, state: State, u: object = None) -> FloatArray:
         """lambda with A^T lambda = Q - M q'' - h, for the motion that the inputs u cause.
 
-        The paper's sign: the loop joint acts on body a with -lambda, on body b with +lambda (Phi = a - b).
+        The paper's sign: the loop joint acts on its parent with -lambda, on its child with +lambda (Phi = a - b).
+        Rows that repeat others are not in `labels`: they take no force here, which in a redundant mechanism is one
+        choice of many; A^T lambda is the same for all.
 
         Returns:
-            One force component for each closure equation, in the order of `labels` [N].
+            One force [N] or torque [N m] for each row of A, in the order of `labels`.
 
         Raises:
             SingularityError: |B| vanishes for these independent coordinates.
         """
         inputs = self.input_vector(u)
+        state = self.own(state)
         q_ddot, q_dot = self._forward(state, inputs)
-        return self.evaluate("reactions", state.q, q_dot, inputs, q_ddot)[0]
+        return self.evaluate("reactions", state.q, q_dot, inputs, q_ddot, t=state.t)[0]
 
     def energy(self, state: State) -> Energy:
         """Kinetic and potential energy [J].
@@ -261,7 +338,8 @@ class Model:
         Raises:
             SingularityError: |B| vanishes for these independent coordinates.
         """
-        T, U = self.evaluate("energy", state.q, self.velocity(state))
+        state = self.own(state)
+        T, U = self.evaluate("energy", state.q, self.velocity(state), t=state.t)
         return Energy(float(T), float(U))
 
     # -- checks ---------------------------------------------------------------------------------------------
@@ -271,41 +349,60 @@ class Model:
         return np.zeros(len(self.inputs)) if u is None else vector(u, self.inputs, "input")
 
     def own(self, state: State) -> State:
-        """The state, if it is one of this model: same coordinates, closed for these parameters.
+        """The state in this model's independent coordinates, checked.
 
         Raises:
-            InputError: not a State, or one of other coordinates.
+            InputError: not a State, or one of another mechanism.
             StateError: its loops are open for these parameter values.
+            SingularityError: it is a state of other independent coordinates, which are singular.
         """
         if not isinstance(state, State):
             raise InputError(f"a State from model.state(q, v) or assemble(...) is needed, not {type(state).__name__}")
-        if (state.coordinates, state.independent) != (self.coordinates, self.independent):
-            raise InputError(
-                f"the state has v = rates of {', '.join(state.independent)}, the model has rates of "
-                f"{', '.join(self.independent)}: make the state with this model"
-            )
+        if state.coordinates != self.coordinates:
+            raise InputError(f"the state is one of another mechanism than {self.mechanism.name!r}")
         if state.parameters is not self.values and state.parameters != self.values:
-            self._check_closed(state.q)
+            self._check_closed(state.q, state.t)
+        if state.independent != self.independent:
+            q_dot = self.in_chart(state.independent).velocity(state)
+            return self.trusted_state(state.q.copy(), q_dot[self.independent_columns], state.t)
         return state
 
-    def _check_closed(self, q: FloatArray) -> None:
-        residual = self.residual(q)
+    def _check_closed(self, q: FloatArray, t: float) -> None:
+        residual = self.residual(q, t)
         if not np.abs(residual).max(initial=0.0) <= GIVEN_CLOSED:
             worst = int(np.abs(residual).argmax())
+            loop, _, row = self.closure_labels[worst].rpartition(" ")
+            units = dict(self.mechanism.holonomic_rows)
             raise StateError(
-                f"loop {self.labels[worst].rpartition(' ')[0]!r} is open by {abs(residual[worst]):.3g} m along "
-                f"{self.labels[worst].rpartition(' ')[2]}: the state is not on the constraint manifold of these "
-                "parameters. nullbody.assemble(model, {...}) closes the loops for given coordinates"
+                f"loop {loop!r} is open by {abs(residual[worst]):.3g} {units[self.closure_labels[worst]]} along "
+                f"{row}: the state is not on the constraint manifold of these parameters. "
+                "nullbody.assemble(model, {...}) closes the loops for given coordinates, nullbody.consistent the "
+                "state as it is"
             )
-        self.check_redundant(q)
+        self.check_redundant(q, t)
+        self.check_facing(q, t)
 
-    def check_redundant(self, q: FloatArray) -> None:
+    def check_facing(self, q: FloatArray, t: float = 0.0) -> None:
+        """Raise where a loop is closed the wrong way round.
+
+        Raises:
+            StateError: the axes of a loop joint point against each other.
+        """
+        cosines = self.evaluate("facing", q, t=t)[0]
+        if len(cosines) and not cosines.min() > 0:
+            loop = self.facing[int(cosines.argmin())]
+            raise StateError(
+                f"loop {loop!r} is closed the wrong way round: an axis of its joint points against the other "
+                f"(cosine {cosines.min():.3g}). Start from a guess nearer to the wanted assembly"
+            )
+
+    def check_redundant(self, q: FloatArray, t: float = 0.0) -> None:
         """Raise where an equation that `derive` left out as a repetition is not fulfilled: no motion can mend that.
 
         Raises:
             AssemblyError: it is open by more than a nanometre for these parameter values.
         """
-        dropped = self.evaluate("redundant", q)[0]
+        dropped = self.evaluate("redundant", q, t=t)[0]
         if not np.abs(dropped).max(initial=0.0) <= GIVEN_CLOSED:
             raise AssemblyError(
                 f"the loops of {self.mechanism.name!r} can never close for these parameters: an equation that no "
@@ -314,17 +411,23 @@ class Model:
 
     def _kinematics(self, state: State) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """(N, gamma, q', delta), checked."""
-        self.own(state)
-        N, gamma, q_dot, delta, spread, doubt = self.evaluate("kinematics", state.q, state.v)
+        state = self.own(state)
+        N, gamma, q_dot, delta, spread, doubt = self.evaluate("kinematics", state.q, state.v, t=state.t)
         self._check_regular(delta, spread, doubt)
         return N, gamma, q_dot, delta
 
     def _forward(self, state: State, inputs: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(q'', q') for given inputs, checked."""
-        self.own(state)
-        q_ddot, q_dot, *measures = self.evaluate("forward_dynamics", state.q, state.v, inputs)
+        state = self.own(state)
+        q_ddot, q_dot, *measures, _ = self.evaluate("forward_dynamics", state.q, state.v, inputs, t=state.t)
         self._check_dynamic(q_ddot, *measures)
         return q_ddot, q_dot
+
+    def _inverse(self, state: State, v_dot: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """(Qr, u, Br), checked."""
+        Qr, u, Br, *measures = self.evaluate("inverse_dynamics", state.q, state.v, v_dot, t=state.t)
+        self._check_dynamic(Qr, *measures)
+        return Qr, u, Br
 
     def _check_dynamic(
         self, result: FloatArray, delta: FloatArray, spread: FloatArray, doubt: FloatArray, loss: FloatArray

@@ -25,6 +25,7 @@ class State:
         v: rates of the independent coordinates [m/s, rad/s]; read-only.
         coordinates, independent: their names.
         parameters: values of the model that made it; another model checks the closures anew.
+        t: the time [s], for mechanisms with drivers.
     """
 
     q: FloatArray
@@ -32,6 +33,7 @@ class State:
     coordinates: tuple[str, ...]
     independent: tuple[str, ...]
     parameters: tuple[float, ...] = ()
+    t: float = 0.0
 
     def __post_init__(self) -> None:
         for array in (self.q, self.v):

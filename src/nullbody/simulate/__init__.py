@@ -1,8 +1,9 @@
 """Layer 7: motion in time, with the loops kept closed."""
 
+from nullbody.simulate.event import Event, Happened
 from nullbody.simulate.outcome import Outcome
 from nullbody.simulate.progress import progress_bar
 from nullbody.simulate.simulate import simulate
 from nullbody.simulate.trajectory import Sample, Statistics, Trajectory
 
-__all__ = ["Outcome", "Sample", "Statistics", "Trajectory", "progress_bar", "simulate"]
+__all__ = ["Event", "Happened", "Outcome", "Sample", "Statistics", "Trajectory", "progress_bar", "simulate"]

@@ -6,13 +6,15 @@ import time
 from collections.abc import Callable, Sequence
 from inspect import signature
 from numbers import Integral, Real
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from nullbody.errors import InputError, SimulationError, StateError, UnknownName
 from nullbody.model import Model, State, checked_model, vector
-from nullbody.simulate.integration import Integration, Run
+from nullbody.simulate.event import Event
+from nullbody.simulate.integration import Integration, Run, Settings, at_time
+from nullbody.simulate.motion import Motion
 from nullbody.simulate.progress import progress_bar
 from nullbody.simulate.trajectory import Statistics, Trajectory
 from nullbody.tolerances import GIVEN_CLOSED
@@ -21,6 +23,7 @@ from nullbody.typing import FloatArray
 __all__ = ["simulate"]
 
 _ROUNDING = 1e-9  # by which the last of some summed-up sample times may exceed the end
+_METHODS = ("explicit", "stiff")
 _TIGHTEST = 1e-13  # relative tolerance below which rounding decides
 
 
@@ -32,14 +35,16 @@ def simulate(
     u: Callable[[float, State], Any] | object = None,
     rtol: float = 1e-10,
     samples: int | Sequence[float] | FloatArray | None = None,
+    events: Sequence[Event] = (),
     throw: bool = True,
-    progress: bool | None = None,
     **options: Any,
 ) -> Trajectory:
-    """The motion from a state until t1: q' = N v, v' = Mr^-1 (Br u - hr), by DOP853 with adaptive steps.
+    """The motion from a state until t1: q' = N v + beta, v' = Mr^-1 (Br u - hr), with adaptive steps.
 
     After each step whose closures exceed 2e-14 m the coordinates are projected back onto the manifold, so that
-    every stored sample is closed to 1e-13 m; the rates satisfy A q' = 0 by construction.
+    every stored sample is closed to 1e-13 m; the rates satisfy A q' + b = 0 by construction. Where the independent
+    coordinates become poor (|N| > 20 in radians and typical lengths) others are taken, so that singularities of one
+    choice are passed; inputs and the trajectory keep those of the model. Inputs are held within their limits.
 
     Args:
         model: the model.
@@ -49,9 +54,12 @@ def simulate(
             none. [N, N m]
         rtol: relative tolerance of the local error.
         samples: number of evenly spaced samples to store, or their times; the integrator's steps by default.
+        events: what to look for: `Event`s, which can end the simulation or change the state.
         throw: raise where the end time is not reached; otherwise `outcome` says why.
-        progress: show a progress bar; by default on a terminal when the run takes longer than two seconds.
-        options: start time `t0` (0) [s], `atol` (0.01 rtol), `max_step` [s], `max_steps` (100 000).
+        options: `method` "explicit" (Dormand-Prince 8(5,3), the default) or "stiff" (Radau IIA of order 5 with the exact
+            Jacobian at constant inputs), start time `t0` (that of the state) [s], `atol` (0.01 rtol), `max_step` [s],
+            `max_steps` (100 000), `switch` (True) independent coordinates where they become poor, `progress` bar (by
+            default on a terminal when the run takes longer than two seconds).
 
     Raises:
         InputError: wrong times, tolerances or inputs.
@@ -61,17 +69,22 @@ def simulate(
     began = time.perf_counter()
     checked_model(model)
     _number(t1=t1, rtol=rtol)
-    settings = _options(options, rtol)
-    t0 = settings.pop("t0")
+    chosen = _options(options, rtol)
+    progress = chosen.pop("progress")
+    t0 = getattr(state, "t", 0.0) if chosen["t0"] is None else chosen["t0"]
+    del chosen["t0"]
     _check(model, state, t0, t1, rtol)
     wanted = _sample_times(samples, t0, t1)
-    integration = Integration(model, _input_function(model, u), rtol=rtol, **settings)
+    for event in events:
+        if not isinstance(event, Event):
+            raise InputError(f"events are nullbody.Event, not {event!r}")
+    integration = Integration(model, _input_function(model, u), Settings(rtol=rtol, events=tuple(events), **chosen))
     with progress_bar(f"simulating {model.mechanism.name}", t0, t1, progress) as advance:
         run = integration.run(state, t0, t1, advance)
-    trajectory = _stored(model, integration, run, _stored_times(wanted, t0, run.knots), began)
+    trajectory = _stored(model, run, wanted, began)
     if throw and not trajectory.outcome.ok:
         raise SimulationError(
-            f"the simulation of {model.mechanism.name!r} ended at t = {run.knots[-1]:.6g} s of {t1:g} s: "
+            f"the simulation of {model.mechanism.name!r} ended at t = {run.knots[-1][0]:.6g} s of {t1:g} s: "
             f"{trajectory.outcome.value}{run.note}",
             trajectory,
         )
@@ -79,9 +92,9 @@ def simulate(
 
 
 def _check(model: Model, state: object, t0: float, t1: float, rtol: float) -> None:
-    if not isinstance(state, State) or not _same_names(model, state):
+    if not isinstance(state, State) or state.coordinates != model.coordinates:
         raise InputError("simulate starts from a State of the same model: use model.state(q, v) or assemble(...)")
-    residual = float(np.abs(model.residual(state.q)).max(initial=0.0))
+    residual = float(np.abs(model.residual(state.q, t0)).max(initial=0.0))
     if not residual <= GIVEN_CLOSED:
         raise StateError(
             f"the start is off the constraint manifold by {residual:.3g} m: was it made by a model with other "
@@ -93,10 +106,6 @@ def _check(model: Model, state: object, t0: float, t1: float, rtol: float) -> No
         raise InputError(f"rtol = {rtol} must be within {_TIGHTEST}..0.1")
 
 
-def _same_names(model: Model, state: State) -> bool:
-    return (state.coordinates, state.independent) == (model.coordinates, model.independent)
-
-
 def _number(**values: Any) -> None:
     for name, value in values.items():
         if isinstance(value, bool) or not isinstance(value, Real):
@@ -104,20 +113,23 @@ def _number(**values: Any) -> None:
 
 
 def _options(options: dict[str, Any], rtol: float) -> dict[str, Any]:
-    known = {"t0": 0.0, "atol": 0.01 * rtol, "max_step": np.inf, "max_steps": 100_000}
+    known: dict[str, Any] = {"t0": None, "atol": 0.01 * rtol, "max_step": np.inf, "max_steps": 100_000}
+    known |= {"method": "explicit", "switch": True, "progress": None}
     for name, value in options.items():
         if name not in known:
             raise UnknownName("option of simulate", name, known)
-        _number(**{name: value})
-        if name != "t0" and not value > 0:
-            raise InputError(f"{name} must be positive, not {value}")
+        if name == "method" and value not in _METHODS:
+            raise UnknownName("method of simulate", value, _METHODS)
+        if name in ("t0", "atol", "max_step", "max_steps"):
+            _number(**{name: value})
+            if name != "t0" and not value > 0:
+                raise InputError(f"{name} must be positive, not {value}")
     return {**known, **options}
 
 
-def _input_function(model: Model, u: Any) -> Callable[[float, State], FloatArray]:
+def _input_function(model: Model, u: Any) -> Callable[[float, State], FloatArray] | FloatArray:
     if not callable(u):
-        constant = model.input_vector(u)
-        return lambda t, x: constant
+        return model.input_vector(u)
 
     try:
         signature(u).bind(0.0, None)
@@ -156,50 +168,60 @@ def _sample_times(samples: Any, t0: float, t1: float) -> int | FloatArray | None
     return np.minimum(times, t1)
 
 
-def _stored_times(wanted: int | FloatArray | None, t0: float, knots: FloatArray) -> FloatArray:
-    """The wanted times up to where the simulation came."""
-    if wanted is None:
-        return knots
-    if isinstance(wanted, int):
-        return np.linspace(t0, knots[-1], wanted if knots[-1] > t0 else 1)
-    return wanted[wanted <= knots[-1]]
+def _moments(run: Run, wanted: int | FloatArray | None) -> list[_Moment]:
+    """What to store: the knots, or the wanted times up to where the simulation came."""
+    if wanted is None or not run.pieces:
+        knots = run.knots if wanted is None or isinstance(wanted, int) else run.knots[: int(wanted[0] <= run.knots[0][0])]
+        return [_Moment(t, motion, y) for t, motion, y in knots]
+    t0, end = run.knots[0][0], run.knots[-1][0]
+    times = np.linspace(t0, end, wanted) if isinstance(wanted, int) else wanted[wanted <= end]
+    steps = [(float(t), at_time(run.pieces, float(t))) for t in times]
+    return [_Moment(t, piece.motion, piece.y(t)) for t, piece in steps]
 
 
-def _stored(model: Model, integration: Integration, run: Run, times: FloatArray, began: float) -> Trajectory:
+class _Moment(NamedTuple):
+    """A time, the motion in its chart, and y."""
+
+    t: float
+    motion: Motion
+    y: FloatArray
+
+
+def _stored(model: Model, run: Run, wanted: int | FloatArray | None, began: float) -> Trajectory:
     """Everything at the sample times, and the balances."""
-    nq, nv = len(model.coordinates), len(model.independent)
-    at_knots = len(times) == len(run.knots) and bool((times == run.knots).all())
-    y = run.states if at_knots else np.array([run.at(float(t)) for t in times]).reshape(len(times), nq + nv + 1)
-    if not at_knots:
-        y = integration.closed(y)
-    q, v, work = y[:, :nq], y[:, nq : nq + nv], y[:, nq + nv]
-    states = [model.trusted_state(q[k].copy(), v[k].copy()) for k in range(len(times))]
-    energies = np.array([integration.energy(x) for x in states]).reshape(-1, 2)
-    inputs = np.array([integration.inputs(float(t), x) for t, x in zip(times, states, strict=True)])
-    inputs = inputs.reshape(len(times), len(model.inputs))
-    residual = max((float(np.abs(model.residual(x.q)).max(initial=0.0)) for x in states), default=0.0)
+    moments = _moments(run, wanted)
+    count = len(moments)
+    full = [m.motion.full(m.t, m.y) for m in moments]
+    q = np.array([f.q for f in full]).reshape(count, len(model.coordinates))
+    q_dot = np.array([f.q_dot for f in full]).reshape(count, len(model.coordinates))
+    work = np.array([f.work for f in full])
+    energies = np.array([m.motion.energy(m.t, m.y) for m in moments]).reshape(-1, 2)
+    inputs = np.array([m.motion.inputs(m.t, m.y) for m in moments]).reshape(count, len(model.inputs))
+    times = np.array([m.t for m in moments])
+    residual = max((float(np.abs(model.residual(f.q, m.t)).max(initial=0.0)) for f, m in zip(full, moments, strict=True)), default=0.0)
     balance = energies.sum(axis=1) - work
     statistics = Statistics(
-        steps=len(run.knots) - 1,
+        steps=len(run.pieces),
         evaluations=run.evaluations,
         projections=run.projections,
+        switches=run.switches,
         residual=residual,
         energy_drift=float(np.abs(balance - run.energy).max(initial=0.0)),
         seconds=time.perf_counter() - began,
     )
-    for array in (times, q, v, inputs, energies, work):
+    for array in (times, q, q_dot, inputs, energies, work):
         array.flags.writeable = False
     return Trajectory(
         model=model,
         t=times,
         q=q,
-        v=v,
+        q_dot=q_dot,
         u=inputs,
         kinetic=energies[:, 0],
         potential=energies[:, 1],
         work=work,
+        events=tuple(run.events),
         outcome=run.outcome,
         statistics=statistics,
-        _knots=run.knots,
-        _pieces=run.pieces,
+        _pieces=tuple(run.pieces),
     )

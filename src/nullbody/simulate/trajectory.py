@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from nullbody.errors import InputError, UnknownName
-from nullbody.kinematics import project
 from nullbody.model import Model, State
-from nullbody.simulate.integration import interpolated
+from nullbody.simulate.event import Happened
+from nullbody.simulate.integration import Piece, at_time
 from nullbody.simulate.outcome import Outcome
-from nullbody.tolerances import CLOSED_STEP
+from nullbody.tolerances import LARGE_SPREAD
 from nullbody.typing import FloatArray
 
 if TYPE_CHECKING:
@@ -38,14 +38,16 @@ class Statistics:
         steps: accepted steps.
         evaluations: calls of the forward dynamics.
         projections: steps after which the loops were closed again.
+        switches: changes of the independent coordinates.
         residual: largest |Phi| at a stored sample [m].
-        energy_drift: largest |T + U - work of the inputs - initial value| [J].
+        energy_drift: largest |T + U - work - initial value| [J].
         seconds: wall time [s].
     """
 
     steps: int
     evaluations: int
     projections: int
+    switches: int
     residual: float
     energy_drift: float
     seconds: float
@@ -69,35 +71,48 @@ class Trajectory:
     model: Model
     t: FloatArray
     q: FloatArray
-    v: FloatArray
+    q_dot: FloatArray
     u: FloatArray
     kinetic: FloatArray
     potential: FloatArray
     work: FloatArray
+    events: tuple[Happened, ...]
     outcome: Outcome
     statistics: Statistics
-    _knots: FloatArray
-    _pieces: tuple[Callable[[float], FloatArray], ...]
+    _pieces: tuple[Piece, ...]
+
+    @property
+    def v(self) -> FloatArray:
+        """Rates of the model's independent coordinates at the stored samples [m/s, rad/s]."""
+        return self.q_dot[:, self.model.independent_columns]
 
     def __getitem__(self, name: object) -> FloatArray:
-        """A coordinate over the stored samples, by name; `name'` (with a prime) is the rate of an independent one."""
+        """A coordinate or an input over the stored samples, by name; `name'` (with a prime) is a coordinate's rate."""
         model = self.model
         if name in model.coordinates:
             return self.q[:, model.coordinates.index(name)]
-        if isinstance(name, str) and name.endswith("'") and name[:-1] in model.independent:
-            return self.v[:, model.independent.index(name[:-1])]
+        if isinstance(name, str) and name.endswith("'") and name[:-1] in model.coordinates:
+            return self.q_dot[:, model.coordinates.index(name[:-1])]
         if name in model.inputs:
             return self.u[:, model.inputs.index(name)]
-        rates = (f"{rate}'" for rate in model.independent)
+        rates = (f"{name}'" for name in model.coordinates)
         raise UnknownName("coordinate, rate or input", name, (*model.coordinates, *rates, *model.inputs))
 
     def __len__(self) -> int:
         return len(self.t)
 
     def state(self, t: float) -> State:
-        """The state at any time of the simulation."""
-        _, q, v = self.sample([t])
-        return self.model.trusted_state(q[0], v[0])
+        """The state at any time of the simulation; where the model's independent coordinates are poor, in others."""
+        moment = self._moments([t])[0]
+        if not self._pieces:
+            return self.model.trusted_state(self.q[0].copy(), self.v[0].copy(), float(self.t[0]))
+        motion, y = at_time(self._pieces, moment).motion, at_time(self._pieces, moment).y(moment)
+        state = motion.state(moment, y)
+        spread = self.model.evaluate("kinematics", state.q, state.v, t=moment)[4]
+        if spread < LARGE_SPREAD or motion.chart.independent == self.model.independent:
+            return state
+        v = y[motion.nq : motion.nq + motion.nv].copy()
+        return motion.chart.trusted_state(state.q, v, moment)
 
     def sample(self, t: Sequence[float] | FloatArray) -> Sample:
         """Dense output: q and v at any times, of the order of the method, with the loops closed.
@@ -105,24 +120,24 @@ class Trajectory:
         Raises:
             InputError: a time outside the simulation.
         """
-        first, last = self._knots[0], self._knots[-1]
+        times = self._moments(t)
+        columns = self.model.independent_columns
+        if not self._pieces:
+            return Sample(times, np.repeat(self.q[:1], len(times), 0), np.repeat(self.v[:1], len(times), 0))
+        full = [at_time(self._pieces, float(time)).full(float(time)) for time in times]
+        q = np.array([f.q for f in full]).reshape(len(times), -1)
+        return Sample(times, q, np.array([f.q_dot[columns] for f in full]).reshape(len(times), len(columns)))
+
+    def _moments(self, t: Sequence[float] | FloatArray) -> FloatArray:
+        first = self._pieces[0].t0 if self._pieces else float(self.t[0])
+        last = self._pieces[-1].t1 if self._pieces else float(self.t[0])
         try:
             times = np.atleast_1d(np.asarray(t, dtype=np.float64))
         except (TypeError, ValueError):
             times = np.array([np.nan])
         if times.ndim != 1 or not np.isfinite(times).all() or (times < first).any() or (times > last).any():
             raise InputError(f"times must be a list within {first:g}..{last:g} s, what was simulated")
-        nq = len(self.model.coordinates)
-        q, v = np.empty((len(times), nq)), np.empty((len(times), len(self.model.independent)))
-        for k, time in enumerate(times):
-            if not self._pieces:
-                q[k], v[k] = self.q[0], self.v[0]
-                continue
-            y = interpolated(self._knots, self._pieces, float(time))
-            q[k], v[k] = y[:nq], y[nq : nq + v.shape[1]]
-            if np.abs(self.model.residual(q[k])).max(initial=0.0) > CLOSED_STEP:
-                q[k] = project(self.model, q[k])[0]
-        return Sample(times, q, v)
+        return times
 
     def to_xarray(self) -> xarray.Dataset:
         """All stored samples as an xarray Dataset, with units, parameters and statistics as attributes."""
@@ -133,8 +148,8 @@ class Trajectory:
         data: dict[str, Any] = {}
         for k, name in enumerate(model.coordinates):
             data[name] = ("t", self.q[:, k], {"units": units[name], "long_name": f"coordinate {name}"})
-        for k, name in enumerate(model.independent):
-            data[f"{name}_dot"] = ("t", self.v[:, k], {"units": f"{units[name]}/s", "long_name": f"rate of {name}"})
+        for k, name in enumerate(model.coordinates):
+            data[f"{name}_dot"] = ("t", self.q_dot[:, k], {"units": f"{units[name]}/s", "long_name": f"rate of {name}"})
         for k, actuator in enumerate(model.mechanism.actuators):
             unit = "N" if units[actuator.coordinate] == "m" else "N m"
             data[actuator.name] = ("t", self.u[:, k], {"units": unit, "long_name": f"input {actuator.name}"})

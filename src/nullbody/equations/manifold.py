@@ -1,0 +1,182 @@
+"""Configurations in which the loops close, in numbers: where rank and independence are decided.
+
+A constraint Jacobian can have a rank that holds only where Phi = 0 (Bricard's mechanism, planar linkages between
+revolute joints in space). A few configurations on the manifold tell: the home, closed by Gauss-Newton steps
+
+    q <- q - A^+ Phi,
+
+and others reached from it by steps along the null space of A, closed again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from nullbody.equations.closure import Closures
+from nullbody.expr import Expr, Tape
+from nullbody.typing import FloatArray, IndexArray
+
+__all__ = ["Manifold", "Sample"]
+
+_RANK = 1e-8  # singular values below this part of the largest are zero: rows have unit length there
+_CLOSED = 1e-11  # |Phi| of a sample, for lengths of about 1
+_STEPS = 60
+_LONGEST = 0.5  # of a Gauss-Newton step [m, rad]
+_SAMPLES = 5
+_TRIES = 25
+_STRIDE = 0.15  # along the null space, from one sample to the next [m, rad]
+_STARTS = 8  # other starts, where the home itself does not close
+_POOR = 1e-3  # smallest singular value of Z[v] below which other coordinates are preferred
+_INDEPENDENT = 1e-9  # likewise, below which they are dependent
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A configuration with closed loops.
+
+    Attributes:
+        q: coordinates.
+        A: all rows, scaled to unit length.
+    """
+
+    q: FloatArray
+    A: FloatArray
+
+    @cached_property
+    def rank(self) -> int:
+        """The numeric rank of A."""
+        return int(np.sum(self._svd[1] > _RANK * max(self._svd[1].max(initial=0.0), 1e-300)))
+
+    @property
+    def null_space(self) -> FloatArray:
+        """Z, n x (n - rank), orthonormal."""
+        return np.asarray(self._svd[2][self.rank :].T)
+
+    @cached_property
+    def _svd(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        if not len(self.A):
+            return np.zeros((0, 0)), np.zeros(0), np.eye(self.A.shape[1])
+        left, sizes, right = np.linalg.svd(self.A)
+        return np.asarray(left), np.asarray(sizes), np.asarray(right)
+
+    def independent_rows(self, rank: int) -> list[int]:
+        """That many rows, each the longest of what those before it leave of them."""
+        return sorted(_longest(self.A, rank, range(len(self.A))))
+
+    def independent_columns(self, preferred: Sequence[int]) -> list[int]:
+        """Columns v for which |B| is large: rows of Z, the longest first; preferred ones where they are not poor."""
+        Z = self.null_space
+        chosen = [k for k in preferred if len(preferred) <= Z.shape[1]]
+        if self.quality(chosen) < _POOR:
+            chosen = []
+            for k in preferred:
+                if len(chosen) < Z.shape[1] and self.quality([*chosen, k]) >= _POOR:
+                    chosen.append(k)
+        return [*chosen, *_longest(Z, Z.shape[1] - len(chosen), range(len(Z)), chosen)]
+
+    def quality(self, columns: Sequence[int]) -> float:
+        """The smallest singular value of Z[v], 1 at best: 1 / |N|."""
+        rows = self.null_space[list(columns)]
+        return float(np.linalg.svd(rows, compute_uv=False)[-1]) if rows.size else 1.0
+
+    def independent(self, columns: Sequence[int]) -> bool:
+        """Whether these columns can be the independent ones."""
+        return self.quality(columns) > _INDEPENDENT
+
+
+class Manifold:
+    """The constraint manifold near the home, in numbers.
+
+    Args:
+        loops: the constraints.
+        q, rates, time: their symbols.
+        parameters: values by name.
+        home: where to start.
+    """
+
+    def __init__(
+        self,
+        loops: Closures,
+        symbols: tuple[Sequence[Expr], Expr],
+        parameters: Mapping[str, float],
+        home: Mapping[str, float],
+    ) -> None:
+        q, time = symbols
+        self._n, self._holonomic = len(q), len(loops.Phi)
+        self._parameters = [*parameters.values()]
+        self._home = np.array(list(home.values()))
+        self._places = [(i, j) for i, row in enumerate(loops.A) for j, entry in enumerate(row) if entry != 0]
+        outputs = [*loops.Phi, *(loops.A[i][j] for i, j in self._places), *(cosine for _, cosine in loops.facing)]
+        names = [*(str(s.name) for s in q), str(time.name), *parameters]
+        self._rows = len(loops.A)
+        self._tape = Tape.of(outputs, names)
+
+    @cached_property
+    def samples(self) -> tuple[Sample, ...]:
+        """Configurations with closed loops, the one nearest to the home first; none where none was found."""
+        random = np.random.default_rng(0)
+        first = self.closed(self._home)
+        for _ in range(_STARTS):
+            if first is None:
+                first = self.closed(self._home + random.uniform(-1, 1, self._n))
+        if first is None:
+            return ()
+        found = [first]
+        for _ in range(_TRIES):
+            Z = found[-1].null_space
+            if len(found) == _SAMPLES or not Z.size:
+                break
+            step = Z @ random.normal(size=Z.shape[1])
+            start = found[-1].q + _STRIDE * step / max(float(np.abs(step).max()), 1e-12)
+            sample = self.closed(start)
+            if sample is not None and np.abs(sample.q - start).max() < _STRIDE:
+                found.append(sample)
+        return tuple(found)
+
+    def closed(self, start: FloatArray) -> Sample | None:
+        """The configuration near a start in which the loops close, or None."""
+        q = np.array(start, dtype=float)
+        size = max(1.0, float(np.abs(q).max(initial=0.0)))
+        for _ in range(_STEPS):
+            Phi, A, facing = self._evaluated(q)
+            if not np.isfinite(Phi).all() or not np.isfinite(A).all():
+                return None
+            if np.abs(Phi).max(initial=0.0) <= _CLOSED * size:
+                return Sample(q, _unit_rows(A)) if (facing > 0).all() else None
+            change = np.linalg.lstsq(A[: self._holonomic], -Phi, rcond=_RANK)[0]
+            q += change * min(1.0, _LONGEST * size / max(float(np.abs(change).max()), 1e-300))
+        return None
+
+    def _evaluated(self, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Phi, A and the facing cosines; NaN where they have no value."""
+        A = np.zeros((self._rows, self._n))
+        try:
+            values = np.array(self._tape.run([*q.tolist(), 0.0, *self._parameters]), dtype=float)
+        except (ZeroDivisionError, ValueError, OverflowError):
+            return np.full(self._holonomic, np.nan), A, np.zeros(0)
+        for (i, j), value in zip(self._places, values[self._holonomic :], strict=False):
+            A[i, j] = value
+        return values[: self._holonomic], A, values[self._holonomic + len(self._places) :]
+
+
+def _unit_rows(A: FloatArray) -> FloatArray:
+    length = np.linalg.norm(A, axis=1)
+    scaled: FloatArray = A / np.where(length > _RANK * max(length.max(initial=0.0), 1e-300), length, 1.0)[:, None]
+    return scaled
+
+
+def _longest(rows: FloatArray, count: int, order: Sequence[int] | IndexArray, first: Sequence[int] = ()) -> list[int]:
+    """Rows picked one by one, each the longest of what those before it leave (pivoted Gram-Schmidt)."""
+    left, found = np.array(rows, dtype=float), []
+    for k in (*first, *[None] * count):
+        if k is None:
+            lengths = np.linalg.norm(left, axis=1)
+            k = max(order, key=lambda i: (round(float(lengths[i]), 6), -i))
+            found.append(k)
+        direction = left[k] / max(float(np.linalg.norm(left[k])), 1e-300)
+        left = left - np.outer(left @ direction, direction)
+    return found
