@@ -16,7 +16,7 @@ IS_NEW  := import sys; sys.exit(sys.version_info < (3, 11))
 HAS_PIP := import sys, pip; sys.exit(sys.version_info < (3, 11))
 
 .DEFAULT_GOAL := help
-.PHONY: help setup reproduce test lint format regenerate bench clean
+.PHONY: help setup reproduce test lint format regenerate pictures bench clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-11s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
@@ -40,6 +40,9 @@ format: $(READY) ## format the code and apply the safe fixes
 
 regenerate: $(READY) ## rewrite the committed golden files that the tests compare with
 	@$(BIN)/python -m tests.regenerate
+
+pictures: $(READY) ## draw the pictures of docs/catalog.md again
+	@$(BIN)/python -m tests.docs.catalog
 
 bench: $(READY) ## measure against other tools and print ratios
 	@$(BIN)/python -m benchmarks

@@ -20,7 +20,7 @@ four_bar = Mechanism(
         Revolute("coupler", "crank", "coupler", ("q2",), Placement(("a", 0, 0)), axis="z"),
         Revolute("rocker", GROUND, "rocker", ("q3",), Placement(("d", 0, 0)), axis="z"),
     ),
-    loops=(Spherical("pin", "coupler", ("b", 0, 0), "rocker", ("c", 0, 0)),),
+    loops=(Spherical("pin", "coupler", "rocker", at=Placement(("b", 0, 0)), on=Placement(("c", 0, 0))),),
     actuators=(Actuator("torque", "q1"),),
     parameters=(
         Parameter("a", 0.2, "m", "crank"),

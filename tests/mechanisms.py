@@ -35,7 +35,7 @@ def four_bar() -> Mechanism:
             Revolute("coupler", "crank", "coupler", ("q2",), Placement(("a", 0, 0)), axis="z"),
             Revolute("rocker", GROUND, "rocker", ("q3",), Placement(("d", 0, 0)), axis="z"),
         ),
-        loops=(Spherical("pin", "coupler", ("b", 0, 0), "rocker", ("c", 0, 0)),),
+        loops=(Spherical("pin", "coupler", "rocker", at=Placement(("b", 0, 0)), on=Placement(("c", 0, 0))),),
         actuators=(Actuator("torque", "q1"),),
         parameters=(
             Parameter("a", 0.2, "m"),
@@ -60,7 +60,7 @@ def slider_crank() -> Mechanism:
             Revolute("shaft", GROUND, "crank", ("alpha",), tilted, axis="z"),
             Revolute("pin", "crank", "rod", ("beta",), Placement(("r", 0, 0)), axis="-z"),
         ),
-        loops=(Spherical("wrist", "rod", ("l", 0, 0), "slider", (0, 0, 0)),),
+        loops=(Spherical("wrist", "rod", "slider", at=Placement(("l", 0, 0))),),
         actuators=(Actuator("push", "s"),),
         parameters=(Parameter("r", 0.1, "m"), Parameter("l", 0.35, "m"), Parameter("m", 0.4, "kg")),
         gravity=(0, -9.81, 0),

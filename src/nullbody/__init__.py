@@ -19,6 +19,7 @@ from nullbody.errors import (
     ExpressionError,
     InputError,
     MechanismError,
+    ModelFileError,
     NullbodyError,
     OutputError,
     ParameterError,
@@ -33,8 +34,9 @@ if TYPE_CHECKING:  # the same names once more, for type checkers and editors
     from nullbody import catalog, control, export, nullspace, report, verify
     from nullbody.equations import Equations, derive
     from nullbody.expr import Graph
+    from nullbody.formats import read_model
     from nullbody.kinematics import assemble, branches, consistent, inverse_kinematics, singularity
-    from nullbody.mechanism import Mechanism
+    from nullbody.mechanism import Mechanism, MechanismBuilder
     from nullbody.model import Model, State, build
     from nullbody.nullspace import NullSpace, null_space
     from nullbody.simulate import Event, Trajectory, simulate
@@ -48,8 +50,10 @@ __all__ = [
     "Graph",
     "InputError",
     "Mechanism",
+    "MechanismBuilder",
     "MechanismError",
     "Model",
+    "ModelFileError",
     "NullSpace",
     "NullbodyError",
     "OutputError",
@@ -73,6 +77,7 @@ __all__ = [
     "inverse_kinematics",
     "null_space",
     "nullspace",
+    "read_model",
     "report",
     "simulate",
     "singularity",
@@ -87,6 +92,7 @@ _HOME = {
     "Event": "simulate",
     "Graph": "expr",
     "Mechanism": "mechanism",
+    "MechanismBuilder": "mechanism",
     "Model": "model",
     "NullSpace": "nullspace",
     "State": "model",
@@ -98,6 +104,7 @@ _HOME = {
     "derive": "equations",
     "inverse_kinematics": "kinematics",
     "null_space": "nullspace",
+    "read_model": "formats",
     "simulate": "simulate",
     "singularity": "kinematics",
 }

@@ -6,6 +6,7 @@
     |  |- ParameterError     a parameter that is not physical: zero, negative, NaN, no number
     |  |- MechanismError     a mechanism that makes no sense: disconnected, duplicate names, no mass
     |  |- ExpressionError    a text outside the small grammar of parameter expressions
+    |  |- ModelFileError     a model file that cannot be read; `.file`, `.place` and `.line` say where
     |  |- StateError         a state off the constraint manifold, or not finite
     |- SingularityError    the chosen independent coordinates are singular, or the configuration is
     |- AssemblyError       loops that cannot be closed
@@ -29,6 +30,7 @@ __all__ = [
     "ExpressionError",
     "InputError",
     "MechanismError",
+    "ModelFileError",
     "NullbodyError",
     "OutputError",
     "ParameterError",
@@ -78,6 +80,27 @@ class MechanismError(InputError):
 
 class ExpressionError(InputError):
     """A text outside the small grammar of parameter expressions."""
+
+
+class ModelFileError(InputError):
+    """A model file that cannot be read.
+
+    Attributes:
+        file: its path, or "text".
+        place: the path of keys or the element, such as "joints.shaft.axis" or "<geom name='tip'>".
+        line: its line in the file, from 1; 0 where there is none.
+    """
+
+    def __init__(self, what: str, *, file: str = "text", place: str = "", line: int = 0) -> None:
+        super().__init__(f"{located(file, place, line)}: {what}")
+        self.file = file
+        self.place = place
+        self.line = line
+
+
+def located(file: str, place: str = "", line: int = 0) -> str:
+    """A place in a file as messages give it: file, line 12, joints.shaft."""
+    return ", ".join([file, *([f"line {line}"] if line else []), *([place] if place else [])])
 
 
 class StateError(InputError):

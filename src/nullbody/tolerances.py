@@ -56,9 +56,9 @@ SIMULATED_SPREAD = 1e10
 #: return doubt = (that ratio)^-2. N may then be arbitrary (0/0), also where it looks small.
 REGULAR_DOUBT = 1e28
 
-#: |N|^2, lengths in typical lengths, from which a simulation looks for better independent coordinates: |N| = 20 costs
-#: little more than one digit.
-SWITCH_SPREAD = 4e2
+#: |N|^2, lengths in typical lengths, from which a simulation looks for better independent coordinates: |N| = 10 costs
+#: about one digit.
+SWITCH_SPREAD = 1e2
 
 #: doubt from which it looks for better rows as well: determinants at 1e-4 of the product of column lengths.
 SWITCH_DOUBT = 1e8

@@ -60,13 +60,17 @@ class Planted(AbstractEngine):
         self.fault = fault
         self.honest = MultiplierEngine(model.mechanism, model.parameters, model.labels)
 
-    def forward_dynamics(self, q, q_dot, u):
-        q_ddot, lam = self.honest.forward_dynamics(q, q_dot, u)
+    def forward_dynamics(self, q, q_dot, u, t=0.0):
+        q_ddot, lam = self.honest.forward_dynamics(q, q_dot, u, t)
         return q_ddot, lam * np.where(np.arange(len(lam)) == 4, -1, 1) if self.fault == "reactions" else lam
 
-    def inverse_dynamics(self, q, q_dot, q_ddot):
-        u, lam = self.honest.inverse_dynamics(q, q_dot, q_ddot)
+    def inverse_dynamics(self, q, q_dot, q_ddot, t=0.0):
+        u, lam = self.honest.inverse_dynamics(q, q_dot, q_ddot, t)
         return u * [1, -1, 1] if self.fault == "inverse_dynamics" else u, lam
+
+    def generalized_forces(self, q, q_dot, q_ddot, t=0.0):
+        forces = self.honest.generalized_forces(q, q_dot, q_ddot, t)
+        return forces * np.where(np.arange(len(forces)) == 3, -1, 1) if self.fault == "generalized_forces" else forces
 
 
 @pytest.mark.parametrize("fault", ["reactions", "inverse_dynamics"])

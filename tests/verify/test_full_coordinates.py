@@ -9,7 +9,7 @@ import pytest
 
 from nullbody import UnknownName
 from nullbody.verify import MultiplierEngine
-from nullbody.verify.full_coordinates import Taylor, cosine, sine
+from nullbody.verify.taylor import Taylor, cosine, sine
 from nullbody.verify.kkt import accelerations, forces
 from tests.mechanisms import four_bar
 
@@ -52,5 +52,5 @@ def test_scaling_of_units_does_not_decide_about_rank() -> None:
 
 def test_unknown_closure_is_named() -> None:
     bar = four_bar()
-    with pytest.raises(UnknownName, match="no closure equation 'pin w'"):
+    with pytest.raises(UnknownName, match="no constraint equation 'pin w'"):
         MultiplierEngine(bar, bar.values(), ("pin w",))

@@ -12,6 +12,8 @@ from nullbody.catalog.andrews import andrews
 from nullbody.catalog.bricard import bricard
 from nullbody.catalog.chaplygin_sleigh import chaplygin_sleigh
 from nullbody.catalog.delta import delta
+from nullbody.catalog.entries import ENTRIES
+from nullbody.catalog.entry import Entry
 from nullbody.catalog.five_bar import five_bar
 from nullbody.catalog.flyball_governor import flyball_governor
 from nullbody.catalog.four_bar import four_bar
@@ -34,8 +36,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CLOSED_FORMS",
+    "ENTRIES",
     "MODELS",
     "STARTS",
+    "Entry",
     "Start",
     "a01_pendulum",
     "andrews",
@@ -43,6 +47,7 @@ __all__ = [
     "chaplygin_sleigh",
     "closed_form_of",
     "delta",
+    "describe",
     "five_bar",
     "flyball_governor",
     "four_bar",
@@ -95,7 +100,19 @@ STARTS = {
 }
 
 #: Where closed-form kinematics are, by the mechanism's name.
-CLOSED_FORMS = {"three_prs": "nullbody.catalog.three_prs_kinematics"}
+CLOSED_FORMS = {
+    "delta": "nullbody.catalog.delta_kinematics",
+    "five_bar": "nullbody.catalog.five_bar_kinematics",
+    "four_bar": "nullbody.catalog.four_bar_kinematics",
+    "rssr": "nullbody.catalog.rssr_kinematics",
+    "slider_crank": "nullbody.catalog.slider_crank_kinematics",
+    "spatial_slider_crank": "nullbody.catalog.spatial_slider_crank_kinematics",
+    "stewart_platform": "nullbody.catalog.stewart_platform_kinematics",
+    "three_prs": "nullbody.catalog.three_prs_kinematics",
+    "three_prs_vertical": "nullbody.catalog.three_prs_vertical_kinematics",
+    "three_rps": "nullbody.catalog.three_rps_kinematics",
+    "three_rrr": "nullbody.catalog.three_rrr_kinematics",
+}
 
 
 def mechanism(name: str, **values: float) -> Mechanism:
@@ -107,6 +124,17 @@ def mechanism(name: str, **values: float) -> Mechanism:
     if name not in MODELS:
         raise UnknownName("model in the catalog", name, MODELS)
     return MODELS[name](**values)
+
+
+def describe(name: str) -> Entry:
+    """Title, mobility, source, picture and more of a mechanism of the catalog.
+
+    Raises:
+        UnknownName: there is none of this name.
+    """
+    if name not in ENTRIES:
+        raise UnknownName("model in the catalog", name, ENTRIES)
+    return ENTRIES[name]
 
 
 def starts(name: str, **values: float) -> dict[str, Start]:
@@ -130,7 +158,7 @@ def closed_form_of(given: Mechanism) -> ClosedForm | None:
     if given.name not in CLOSED_FORMS:
         return None
     known = MODELS[given.name]()
-    if replace(given, parameters=known.parameters) != known or [p.name for p in given.parameters] != [
+    if replace(given, parameters=known.parameters, home=known.home) != known or [p.name for p in given.parameters] != [
         p.name for p in known.parameters
     ]:
         return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import acos, atan2, cos, hypot, sin
+from math import acos, atan2, cos, hypot, pi, sin
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from nullbody.mechanism.body import Axis
 from nullbody.mechanism.joints.base import elementary_rotation
 from nullbody.typing import FloatArray
 
-__all__ = ["angles_of", "roll_pitch_yaw", "roots", "turn"]
+__all__ = ["angles_of", "both_ways", "roll_pitch_yaw", "roots", "turn"]
 
 _ROUNDING = 1e-12  # relative, by which a cosine may seem to be above one where both roots meet
 
@@ -38,3 +38,17 @@ def roots(A: float, B: float, C: float) -> list[float]:
         return []
     middle, half = atan2(B, A), acos(max(-1.0, min(1.0, C / size)))
     return [middle + half, middle - half]
+
+
+def both_ways(found: list[dict[str, float]], first: str, second: str) -> list[dict[str, float]]:
+    """Assemblies with a rod in a universal joint, and after them those with the rod turned over.
+
+    Its direction is the same for (alpha + 180 degrees, 180 degrees - beta), the rod half a turn about itself.
+    """
+    over = [{**one, first: _wound(one[first] + pi), second: _wound(pi - one[second])} for one in found]
+    return [*found, *over]
+
+
+def _wound(angle: float) -> float:
+    """The same angle within half a turn."""
+    return atan2(sin(angle), cos(angle))

@@ -26,6 +26,7 @@ from nullbody.mechanism import (
     Rotation,
     Universal,
 )
+from nullbody.typing import Triple
 
 __all__ = ["delta"]
 
@@ -94,9 +95,7 @@ def delta(**values: float) -> Mechanism:
             ),
         ),
         loops=tuple(
-            Universal(
-                f"leg{i}", f"forearm{i}", "platform", at=wrist, on=_around(degrees, "b"), axis="x", axis2="y"
-            )
+            Universal(f"leg{i}", f"forearm{i}", "platform", at=wrist, on=_around(degrees, "b"), axis="x", axis2="y")
             for i, degrees in zip(_LEGS, _DEGREES, strict=True)
         ),
         actuators=tuple(Actuator(f"tau{i}", f"alpha{i}") for i in _LEGS),
@@ -109,12 +108,12 @@ def delta(**values: float) -> Mechanism:
 
 def _around(degrees: int, radius: str) -> Placement:
     """A frame on the circle of a radius, x outwards, y along the arm's axis."""
-    position = {
+    positions: dict[int, Triple] = {
         0: (radius, 0, 0),
         120: (f"-{radius}/2", f"sqrt(3)/2*{radius}", 0),
         -120: (f"-{radius}/2", f"-sqrt(3)/2*{radius}", 0),
-    }[degrees]
-    return Placement(position, (Rotation("z", degrees=degrees),))
+    }
+    return Placement(positions[degrees], (Rotation("z", degrees=degrees),))
 
 
 def _home(p: Mapping[str, float]) -> dict[str, float]:

@@ -43,7 +43,7 @@ def forward(p: Values, arms: Sequence[float]) -> list[dict[str, float]]:
     if size < _FLAT * max(p["lf"], p["la"]) ** 4:
         raise SingularityError("the elbows of the delta robot are in one line: its arms do not determine the platform")
     # the centre of the circle through the three points, and from there along the normal
-    centre = np.cross(float(first @ first) * second - float(second @ second) * first, normal) / (-2 * size)
+    centre = np.cross(float(first @ first) * second - float(second @ second) * first, normal) / (2 * size)
     rest = p["lf"] ** 2 - float(centre @ centre)
     if rest < 0:
         return []
@@ -90,7 +90,7 @@ def _inverse(p: Values, pose: Values) -> list[dict[str, float]] | None:
 
 
 def _out_of_reach(p: Values, leg: int, away: float, aside: float) -> AssemblyError:
-    """The point that the forearm must reach is `away` from the arm's axis, in its plane, and `aside` from that plane."""
+    """The point that the forearm must reach is `away` from the arm's axis, in its plane, and `aside` of that plane."""
     farthest, nearest = hypot(p["la"] + away, aside), hypot(p["la"] - away, aside)
     gap = nearest - p["lf"] if nearest > p["lf"] else p["lf"] - farthest
     return AssemblyError(

@@ -17,7 +17,7 @@ Point = tuple[float, float]
 
 
 def forward(p: Values, theta1: float, theta2: float) -> list[dict[str, float]]:
-    """Both assemblies for the angles of the cranks, first that with the tool left of the way from elbow 1 to elbow 2."""
+    """Both assemblies for the angles of the cranks, first that with the tool left of the way from elbow to elbow."""
     elbow1 = (p["a1"] * cos(theta1), p["a1"] * sin(theta1))
     elbow2 = (p["d"] + p["a2"] * cos(theta2), p["a2"] * sin(theta2))
     if not meets(elbow1, elbow2, p["b1"], p["b2"]):

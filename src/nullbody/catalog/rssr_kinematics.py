@@ -16,7 +16,7 @@ from math import atan2, cos, hypot, sin
 
 import numpy as np
 
-from nullbody.catalog.angle import roots, turn
+from nullbody.catalog.angle import both_ways, roots, turn
 from nullbody.catalog.closed_form import ClosedForm
 from nullbody.errors import AssemblyError
 from nullbody.typing import FloatArray
@@ -50,25 +50,23 @@ def _rocker_pin(p: Values, psi: float) -> FloatArray:
 
 
 def _coordinates(p: Values, theta: float, psi: float) -> dict[str, float]:
-    """The coupler against the crank is b (cos(alpha) cos(beta), sin(alpha) cos(beta), -sin(beta)), |beta| <= 90 degrees."""
+    """The coupler is b (cos(alpha) cos(beta), sin(alpha) cos(beta), -sin(beta)) in the crank's axes, |beta| <= pi/2."""
     x, y, z = turn("z", -theta) @ _rocker_pin(p, psi) - np.array([p["a"], 0, 0])
     wound = {name: atan2(sin(angle), cos(angle)) for name, angle in (("theta", theta), ("psi", psi))}
     return {"theta": wound["theta"], "alpha": atan2(y, x), "beta": atan2(-z, hypot(x, y)), "psi": wound["psi"]}
 
 
 def _assemblies(p: Values, known: Values) -> list[dict[str, float]] | None:
-    """Both assemblies for the crank's angle, or for the rocker's."""
+    """Both assemblies for the crank's angle, or for the rocker's, each with the coupler either way round."""
     if set(known) == {"theta"}:
-        return forward(p, float(known["theta"]))
-    return _backward(p, float(known["psi"])) if set(known) == {"psi"} else None
+        return both_ways(forward(p, float(known["theta"])), "alpha", "beta")
+    return both_ways(_backward(p, float(known["psi"])), "alpha", "beta") if set(known) == {"psi"} else None
 
 
 def _inverse(p: Values, pose: Values) -> list[dict[str, float]] | None:
-    """Both assemblies for the rocker's angle."""
-    if set(pose) != {"psi"}:
-        return None
-    found = _backward(p, float(pose["psi"]))
-    if found:
+    """Both assemblies for the rocker's angle, each with the coupler either way round."""
+    found = _assemblies(p, pose) if set(pose) == {"psi"} else None
+    if found != []:
         return found
     x, y, z = _rocker_pin(p, float(pose["psi"]))
     nearest, farthest = hypot(hypot(x, y) - p["a"], z), hypot(hypot(x, y) + p["a"], z)

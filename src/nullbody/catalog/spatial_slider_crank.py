@@ -52,8 +52,8 @@ def spatial_slider_crank(**values: float) -> Mechanism:
     """Haug's spatial slider-crank, input: a torque on the crank.
 
     Loop: (s, 0, 0) + l f(alpha, beta) - (0, ya - r sin(theta), za + r cos(theta)) = 0 with the rod's direction
-    f = (sin(beta), -sin(alpha) cos(beta), cos(alpha) cos(beta)). One degree of freedom. With a spherical joint at either
-    end (RSSP) the rod could spin about itself, a second degree of freedom that moves nothing else; the universal joint
+    f = (sin(beta), -sin(alpha) cos(beta), cos(alpha) cos(beta)). One degree of freedom. With a spherical joint at both
+    ends (RSSP) the rod could spin about itself, a second degree of freedom that moves nothing else; the universal joint
     holds that, so the rod's inertia about its axis counts. It is singular where the rod lies along the rail.
 
     Home has the crank at theta = 0, or as near to that as the lengths allow, and s > 0.

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import atan2, cos, hypot, sin, sqrt
 
-from nullbody.catalog.angle import roots
+from nullbody.catalog.angle import both_ways, roots
 from nullbody.catalog.closed_form import ClosedForm
 from nullbody.errors import AssemblyError
 
@@ -42,20 +42,18 @@ def _from_slider(p: Values, s: float) -> list[dict[str, float]]:
 
 
 def _assemblies(p: Values, known: Values) -> list[dict[str, float]] | None:
-    """Both assemblies for the crank's angle, or for the slider's place."""
+    """Both assemblies for the crank's angle, or for the slider's place, each with the rod either way round."""
     if set(known) == {"theta"}:
-        return forward(p, float(known["theta"]))
-    return _from_slider(p, float(known["s"])) if set(known) == {"s"} else None
+        return both_ways(forward(p, float(known["theta"])), "alpha", "beta")
+    return both_ways(_from_slider(p, float(known["s"])), "alpha", "beta") if set(known) == {"s"} else None
 
 
 def _inverse(p: Values, pose: Values) -> list[dict[str, float]] | None:
-    """Both assemblies for the slider's place."""
-    if set(pose) != {"s"}:
-        return None
-    s = float(pose["s"])
-    found = _from_slider(p, s)
-    if found:
+    """Both assemblies for the slider's place, each with the rod either way round."""
+    found = _assemblies(p, pose) if set(pose) == {"s"} else None
+    if found != []:
         return found
+    s = float(pose["s"])
     aside = hypot(p["ya"], p["za"])
     nearest, farthest = hypot(s, aside - p["r"]), hypot(s, aside + p["r"])
     gap = max(nearest - p["l"], p["l"] - farthest)

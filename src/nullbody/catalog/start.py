@@ -19,7 +19,7 @@ class Start:
 
         start = catalog.starts("rolling_disc")["steady"]
         model = build(derive(start.mechanism))
-        state = consistent(model, start.q, start.q_dot)
+        state = consistent(model, start.q, start.q_dot).state
         found = simulate(model, state, start.duration)
 
     Attributes:

@@ -7,8 +7,8 @@ from math import atan2, cos, hypot, radians, sin, sqrt
 
 import numpy as np
 
-from nullbody.catalog.closed_form import ClosedForm
 from nullbody.catalog.angle import roll_pitch_yaw, turn
+from nullbody.catalog.closed_form import ClosedForm
 from nullbody.typing import FloatArray
 
 __all__ = ["CLOSED_FORM", "legs"]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from nullbody.cli.options import Independent, Json, MechanismName, Out, names
+from nullbody.cli.options import Independent, Json, MechanismName, Out, mechanism_of, names
 from nullbody.cli.output import note, print_json, print_table
 
 if TYPE_CHECKING:
@@ -38,12 +38,12 @@ def derive(
 
     The file of --out ends in .tex; it holds the output of --latex, or all of them.
     """
-    from nullbody import catalog, equations
+    from nullbody import equations
     from nullbody.export import check_target, write_latex
 
     if out is not None:
         check_target(out, ".tex")
-    chosen = catalog.mechanism(mechanism)
+    chosen = mechanism_of(mechanism)
     began = time.perf_counter()
     derived = equations.derive(chosen, names(independent) or None)
     seconds = time.perf_counter() - began

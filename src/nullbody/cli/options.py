@@ -11,6 +11,7 @@ import typer
 from nullbody.errors import InputError, UnknownName
 
 if TYPE_CHECKING:
+    from nullbody.mechanism import Mechanism
     from nullbody.model import Model
 
 __all__ = [
@@ -24,14 +25,16 @@ __all__ = [
     "Values",
     "assignments",
     "complete",
+    "mechanism_of",
     "model_of",
     "names",
     "number",
 ]
 
 _LIST = "NAME=VALUE,..."
+_MECHANISM = "A name that `nullbody models` lists, or a model file: .yaml, .xml (MJCF), .urdf."
 
-MechanismName = Annotated[str, typer.Argument(metavar="MECHANISM", help="A name that `nullbody models` lists.")]
+MechanismName = Annotated[str, typer.Argument(metavar="MECHANISM", help=_MECHANISM)]
 Json = Annotated[bool, typer.Option("--json", help="Write JSON, and nothing else, to stdout.")]
 Values = list[str] | None
 Parameters = Annotated[Values, typer.Option("--set", metavar=_LIST, help="Parameters that differ from their defaults.")]
@@ -93,10 +96,24 @@ def complete(values: Mapping[str, float], known: Iterable[str], kind: str) -> di
     return completed
 
 
+def mechanism_of(name: str) -> Mechanism:
+    """A mechanism of the catalog by name, or that of a model file by its path.
+
+    Raises:
+        UnknownName: the catalog has no mechanism of this name, and it does not end as model files do.
+        ModelFileError: a model file that cannot be read.
+    """
+    from nullbody import catalog
+    from nullbody.formats import read_model
+    from nullbody.formats.model_file import SUFFIXES
+
+    path = Path(name)
+    return read_model(path) if path.suffix.lower() in SUFFIXES else catalog.mechanism(name)
+
+
 def model_of(name: str, independent: Sequence[str] | None, parameters: Sequence[str] | None) -> Model:
-    """The model of a mechanism of the catalog, as `--independent` and `--set` ask for it."""
-    from nullbody.catalog import mechanism
+    """The model of a mechanism of the catalog or of a model file, as `--independent` and `--set` ask for it."""
     from nullbody.equations import derive
     from nullbody.model import build
 
-    return build(derive(mechanism(name), names(independent) or None), assignments(parameters, "--set"))
+    return build(derive(mechanism_of(name), names(independent) or None), assignments(parameters, "--set"))

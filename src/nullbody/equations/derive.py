@@ -20,6 +20,7 @@ from nullbody.equations.manifold import Manifold
 from nullbody.equations.motion import MotionExpressions
 from nullbody.equations.reduction import acceleration, forward, gross, input_matrix, inverse, reduce, required_inputs
 from nullbody.equations.scalar import ParameterScalars
+from nullbody.equations.sizes import Sizes, sizes_at
 from nullbody.errors import InputError, SingularityError
 from nullbody.expr import Expr, Graph, directional, substitute
 from nullbody.expr.matrix import add, dot, matvec, scale, total
@@ -64,7 +65,8 @@ def derive(
     loops = closures(mechanism, motion)
     loads = loaded(mechanism, inertia(mechanism, found, scalars, q, rates), motion)
     home = mechanism.home_values(values)
-    chart = choose(mechanism, loops, Manifold(loops, (list(q.values()), motion.time), values, home), independent, rows)
+    manifold = Manifold(loops, (list(q.values()), motion.time), values, home)
+    chart = choose(mechanism, loops, manifold, independent, rows)
     symbols = _Symbols(graph, mechanism, chart.independent)
     kept = replace(
         loops,
@@ -72,7 +74,8 @@ def derive(
         b=[loops.b[i] for i in chart.rows],
         c=[loops.c[i] for i in chart.rows],
     )
-    space = _null_space(kept.A, names, chart.independent)
+    sizes = sizes_at(names, [sample.q for sample in manifold.samples], values)
+    space = _null_space(kept.A, names, chart.independent, sizes)
     reduction = _Reduction(loads, kept, space, symbols)
     outputs = {"Phi": [loops.Phi[i] for i in chart.closures], **reduction.outputs()}
     routines = {**_closure_routines(loops, kept, chart), **reduction.routines()}
@@ -131,11 +134,13 @@ class _Symbols:
         return [self.graph.symbol(symbol) for symbol in self.groups[name]]
 
 
-def _null_space(A: list[list[Expr]], names: tuple[str, ...], chosen: tuple[str, ...]) -> SymbolicNullSpace:
+def _null_space(
+    A: list[list[Expr]], names: tuple[str, ...], chosen: tuple[str, ...], sizes: Sizes | None
+) -> SymbolicNullSpace:
     independent = [names.index(name) for name in chosen]
     given = Given("expressions", sparse_rows(A), len(names))
     try:
-        return symbolic_null_space(given, independent, plan=Plan(offsets=True))
+        return symbolic_null_space(given, independent, plan=Plan(offsets=True, sizes=sizes))
     except SingularityError:
         form = echelon(A, [j for j in range(len(names)) if j not in independent] + independent)
         would_do = [name for j, name in enumerate(names) if j not in form.columns]

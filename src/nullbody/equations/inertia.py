@@ -101,8 +101,10 @@ def _bias(
     q: Mapping[str, Expr],
     rates: Mapping[str, Expr],
 ) -> dict[str, Any]:
-    """One body's share of h, by coordinate."""
+    """One body's share of h, by coordinate; none of a body that is fixed on the ground."""
     names, zero = list(moving.columns), scalars(0)
+    if not names:
+        return {}
     W = [moving.columns[name][0] for name in names]
     J = [moving.columns[name][1] for name in names]
     speed = [rates[name] for name in names]

@@ -23,6 +23,7 @@ from nullbody.typing import FloatArray, IndexArray
 __all__ = ["Manifold", "Sample"]
 
 _RANK = 1e-8  # singular values below this part of the largest are zero: rows have unit length there
+_SHORT = 1e-3  # rows below this part of the longest are not scaled up to unit length
 _CLOSED = 1e-11  # |Phi| of a sample, for lengths of about 1
 _STEPS = 60
 _LONGEST = 0.5  # of a Gauss-Newton step [m, rad]
@@ -164,8 +165,9 @@ class Manifold:
 
 
 def _unit_rows(A: FloatArray) -> FloatArray:
+    """Rows of unit length; short ones, which may be about to vanish in a singular configuration, stay short."""
     length = np.linalg.norm(A, axis=1)
-    scaled: FloatArray = A / np.where(length > _RANK * max(length.max(initial=0.0), 1e-300), length, 1.0)[:, None]
+    scaled: FloatArray = A / np.maximum(length, max(_SHORT * float(length.max(initial=0.0)), 1e-300))[:, None]
     return scaled
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from itertools import pairwise
-from xml.etree.ElementTree import Element, SubElement
+from xml.etree.ElementTree import SubElement
 
 import numpy as np
 
-from nullbody.formats.rigid import frame, triple
-from nullbody.mechanism import GROUND, Free, Mechanism
+from nullbody.formats.mjcf_writer_tree import Tree
+from nullbody.mechanism import GROUND, Free, FreeQuaternion
 from nullbody.typing import FloatArray
 
 __all__ = ["add_look"]
@@ -19,32 +18,38 @@ _COLOURS = ("0.35 0.5 0.7 1", "0.8 0.5 0.25 1")  # bodies; the end effector
 _THICKNESS = 0.02  # radius of rods against the longest of them
 
 
-def add_look(mechanism: Mechanism, values: Mapping[str, float], elements: Mapping[str, Element]) -> None:
+def add_look(tree: Tree) -> None:
     """Add geoms to the elements of bodies: nothing touches, nothing weighs, so the dynamics stay as they are.
 
     A body with two joined points is a rod, one with more is a ring of rods, one with a single point a ball.
     """
-    outlines = {name: _outline(mechanism, values, name) for name in elements if name != GROUND}
+    outlines = {name: _outline(tree, name) for name in tree.elements if name != GROUND}
     lengths = [float(np.linalg.norm(b - a)) for points in outlines.values() for a, b in _sides(points)]
     radius = _THICKNESS * max(lengths, default=0) or _THICKNESS
     for name, points in outlines.items():
-        look = {**_INERT, "rgba": _COLOURS[name == mechanism.end_effector]}
+        look = {**_INERT, "rgba": _COLOURS[name == tree.mechanism.end_effector]}
         for a, b in _sides(points):
             ends = " ".join(f"{x:.6g}" for x in (*a, *b))
-            SubElement(elements[name], "geom", {"type": "capsule", "fromto": ends, "size": f"{radius:.6g}", **look})
+            rod = {"type": "capsule", "fromto": ends, "size": f"{radius:.6g}", **look}
+            SubElement(tree.elements[name], "geom", rod)
         if len(points) == 1:
             centre = " ".join(f"{x:.6g}" for x in points[0])
-            SubElement(elements[name], "geom", {"type": "sphere", "pos": centre, "size": f"{2 * radius:.6g}", **look})
+            ball = {"type": "sphere", "pos": centre, "size": f"{2 * radius:.6g}", **look}
+            SubElement(tree.elements[name], "geom", ball)
 
 
-def _outline(mechanism: Mechanism, values: Mapping[str, float], name: str) -> list[FloatArray]:
-    """The distinct points of a body at which joints and loops hold it, in its own frame."""
-    held = [np.zeros(3) for joint in mechanism.joints if joint.child == name and not isinstance(joint, Free)]
-    held += [frame(joint.at, values).position for joint in mechanism.joints if joint.parent == name]
-    held += [triple(loop.point_a, values) for loop in mechanism.loops if loop.body_a == name]
-    held += [triple(loop.point_b, values) for loop in mechanism.loops if loop.body_b == name]
+def _outline(tree: Tree, name: str) -> list[FloatArray]:
+    """The distinct points of a body at which joints and loops hold it, in its element."""
+    mechanism = tree.mechanism
+    own = [
+        joint.on for joint in mechanism.joints if joint.child == name and not isinstance(joint, Free | FreeQuaternion)
+    ]
+    held = own + [joint.at for joint in mechanism.joints if joint.parent == name]
+    held += [loop.at for loop in mechanism.loops if loop.parent == name]
+    held += [loop.on for loop in mechanism.loops if loop.child == name]
     distinct: list[FloatArray] = []
-    for point in held:
+    for place in held:
+        point = tree.local(name, place).position
         if not any(np.allclose(point, other, rtol=0, atol=1e-9) for other in distinct):
             distinct.append(point)
     return distinct

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from nullbody.model import Model
-from nullbody.typing import FloatArray
+from nullbody.typing import FloatArray, IndexArray
 
-__all__ = ["Configuration", "coordinate_scales", "regular_chart"]
+__all__ = ["Configuration", "coordinate_scales", "regular_chart", "regularity"]
 
-_RANK = 1e-9  # relative; singular values of A (rows of unit length) below it are zero
-_GOOD = 0.05  # smallest singular value of Z[v], 1 at best, from which the independent coordinates are kept
+_RANK = 1e-9  # relative; singular values of A below it are zero
+_GOOD = 0.15  # smallest singular value of Z[v], 1 at best, from which the independent coordinates are kept
 _WORTH = 2.0  # by which other coordinates must be better
 _TIE = 1e-6  # lengths of rows of Z that differ by less are equal, and the first is taken
 
@@ -28,7 +28,7 @@ class Configuration:
 
     Attributes:
         labels: of the rows of A.
-        A: rows of unit length.
+        A: without units.
         sizes: singular values of A.
         Z: orthonormal basis of the null space of the wanted dimension.
     """
@@ -40,11 +40,9 @@ class Configuration:
 
     @classmethod
     def of(cls, model: Model, q: FloatArray, t: float = 0.0) -> Configuration:
-        """All rows of A, those included that repeat others on the manifold; columns in typical lengths."""
+        """All rows of A, those included that repeat others on the manifold, in radians and typical lengths."""
         labels, A = model.all_rows(q, t)
-        A = A * coordinate_scales(model, A)
-        length = np.linalg.norm(A, axis=1)
-        A = A / np.where(length > 0, length, 1.0)[:, None]
+        A = _without_units(model, A)
         if not len(A):
             return cls(labels, A, np.zeros(0), np.eye(len(q)))
         _, sizes, right = np.linalg.svd(A)
@@ -78,14 +76,42 @@ class Configuration:
         return float(np.linalg.svd(self.A[kept], compute_uv=False)[-1] / self.sizes[0])
 
 
+def regularity(model: Model, q: FloatArray, t: float = 0.0) -> float:
+    """`Configuration.regularity` alone, at less cost."""
+    A = _without_units(model, model.all_rows(q, t)[1])
+    rank = len(model.labels)
+    sizes = np.linalg.svd(A, compute_uv=False)
+    return float(sizes[rank - 1] / sizes[0]) if rank else 1.0
+
+
+def _without_units(model: Model, A: FloatArray) -> FloatArray:
+    scaled: FloatArray = A * coordinate_scales(model, A) / row_scales(model, A)[:, None]
+    return scaled
+
+
 def coordinate_scales(model: Model, A: FloatArray) -> FloatArray:
     """What coordinates are measured in: 1 rad, and the longest lever of an angle for lengths [m]."""
-    units = [model.mechanism.units[name] for name in model.coordinates]
-    lengths = np.array([unit == "m" for unit in units], dtype=bool)
-    row_units = dict((*model.mechanism.holonomic_rows, *model.mechanism.nonholonomic_rows))
-    gaps = [i for i, label in enumerate(model.all_labels) if row_units[label].startswith("m")]
-    lever = float(np.abs(A[gaps][:, ~lengths]).max(initial=0.0)) if gaps else 0.0
-    return np.where(lengths, lever if lever > 0 else 1.0, 1.0)
+    return np.where(_lengths(model), _lever(model, A), 1.0)
+
+
+def row_scales(model: Model, A: FloatArray) -> FloatArray:
+    """What the residuals of all rows are measured in."""
+    return np.where(_gaps(model), _lever(model, A), 1.0)
+
+
+def _lever(model: Model, A: FloatArray) -> float:
+    lever = float(np.abs(A[_gaps(model)][:, ~_lengths(model)]).max(initial=0.0))
+    return lever if lever > 0 else 1.0
+
+
+def _lengths(model: Model) -> IndexArray:
+    units = model.mechanism.units
+    return np.array([units[name] == "m" for name in model.coordinates], dtype=bool)
+
+
+def _gaps(model: Model) -> IndexArray:
+    units = dict((*model.mechanism.holonomic_rows, *model.mechanism.nonholonomic_rows))
+    return np.array([units[label].startswith("m") for label in model.all_labels], dtype=bool)
 
 
 def regular_chart(model: Model, q: FloatArray, t: float = 0.0, *, good: float = _GOOD) -> Model:

@@ -1,6 +1,7 @@
 """Layer 3: mechanisms as data: bodies, joints, loops, constraints, loads, actuators, parameters."""
 
 from nullbody.mechanism.body import GROUND, Body, Placement, Rotation
+from nullbody.mechanism.builder import MechanismBuilder
 from nullbody.mechanism.constraints import (
     AbstractConstraint,
     Coupling,
@@ -56,6 +57,7 @@ __all__ = [
     "Kinematics",
     "KnifeEdge",
     "Mechanism",
+    "MechanismBuilder",
     "Motion",
     "Nonholonomic",
     "Parameter",

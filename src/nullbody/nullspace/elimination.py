@@ -321,7 +321,8 @@ class _Work:
 
     def pivot(self, rows: Sequence[int], columns: Sequence[int], *, constants: bool) -> int:
         """Take pivots as long as there are any; return how many."""
-        pivots, made = eliminated(self.rows, rows, columns, self.tie, constants=constants)
+        sizes = None if constants else self.plan.sizes
+        pivots, made = eliminated(self.rows, rows, columns, self.tie, constants=constants, sizes=sizes)
         self.stages += pivots
         self.steps += made
         used = {i for p in pivots for i in p.rows}, {j for p in pivots for j in p.columns}

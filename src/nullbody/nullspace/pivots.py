@@ -11,12 +11,18 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from nullbody.expr import Expr
 from nullbody.expr.matrix import dot, total
 from nullbody.nullspace.scalar import is_constant, is_unit, reciprocal
 from nullbody.nullspace.steps import Shear, Sparse
 
 __all__ = ["Pivot", "eliminated"]
+
+_SMALL = 0.1  # of the largest entry of its column: a pivot that is at least so large at all points is good
+_FAIR = 0.5  # where none is: of the best there is
+_NOTHING = 1e-300
 
 
 @dataclass(frozen=True)
@@ -69,6 +75,7 @@ def eliminated(
     tie: Callable[[], float],
     *,
     constants: bool,
+    sizes: Callable[[Any], Any] | None = None,
 ) -> tuple[list[Pivot], list[Shear]]:
     """Eliminate in some rows and columns as long as there are pivots; `rows` is changed.
 
@@ -78,8 +85,9 @@ def eliminated(
         columns: the columns in which pivots are looked for.
         tie: decides between pivots of equal cost: the smaller number wins.
         constants: whether only constants may be pivots.
+        sizes: absolute values of an entry at points that matter, an array; None takes any expression as a pivot.
     """
-    work = _Work(rows, set(active), set(columns), tie, constants)
+    work = _Work(rows, set(active), set(columns), (tie, constants, sizes))
     pivots: list[Pivot] = []
     steps: list[Shear] = []
     while (place := work.cheapest()) is not None:
@@ -93,12 +101,15 @@ class _Work:
     """The rows that are left, and where their columns have entries."""
 
     def __init__(
-        self, rows: list[Sparse], active: set[int], columns: set[int], tie: Callable[[], float], constants: bool
+        self,
+        rows: list[Sparse],
+        active: set[int],
+        columns: set[int],
+        rules: tuple[Callable[[], float], bool, Callable[[Any], Any] | None],
     ) -> None:
         self.rows = rows
         self.active = active
-        self.tie = tie
-        self.constants = constants
+        self.tie, self.constants, self.sizes = rules
         self.rows_of: dict[int, set[int]] = {j: set() for j in sorted(columns)}  # column -> rows with an entry there
         for i in sorted(active):
             for j in rows[i]:
@@ -110,17 +121,25 @@ class _Work:
     def cheapest(self) -> tuple[int, int] | None:
         """(row, column) of the pivot that makes the fewest operations, or None."""
         for j in sorted(self.changed & self.rows_of.keys()):
-            costs = [
-                (self._cost(i, j), self.tie(), j, i)
-                for i in sorted(self.rows_of[j])
-                if not self.constants or is_constant(self.rows[i][j])
-            ]
+            costs = [(self._cost(i, j), self.tie(), j, i) for i in self._allowed(j)]
             self.best.pop(j, None)
             if costs:
                 self.best[j] = min(costs)
         self.changed.clear()
         _, _, j, i = min(self.best.values(), default=(0.0, 0.0, -1, -1))
         return None if i < 0 else (i, j)
+
+    def _allowed(self, j: int) -> list[int]:
+        """Rows of a column that may give its pivot: at every point large against the others, if there are such."""
+        members = sorted(self.rows_of[j])
+        if self.constants:
+            return [i for i in members if is_constant(self.rows[i][j])]
+        if self.sizes is None or len(members) < 2:
+            return members
+        sizes = np.nan_to_num(np.array([self.sizes(self.rows[i][j]) for i in members]), nan=0.0, posinf=0.0)
+        quality = np.min(sizes / np.maximum(sizes.max(axis=0), _NOTHING), axis=1)
+        enough = min(_SMALL, _FAIR * float(quality.max()))
+        return [i for i, found in zip(members, quality, strict=True) if found >= enough]
 
     def clear(self, i: int, j: int) -> tuple[Pivot, list[Shear]]:
         """Clear column j from the other rows with row i, which leaves the work."""

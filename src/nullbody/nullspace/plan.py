@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 __all__ = ["DEFAULT", "SMALL_BLOCK", "Plan", "Weights"]
 
@@ -41,6 +42,8 @@ class Plan:
         weights: what they are taken to cost then.
         offsets: whether right-hand sides other than A's own columns (gamma) will come.
         noise: how much the gain of a row operation is varied at random.
+        sizes: absolute values of an expression at points that matter: pivots that are expressions are not taken where
+            they are small there against their column. None takes any.
     """
 
     seed: int | None = None
@@ -49,6 +52,7 @@ class Plan:
     weights: Weights = Weights()
     noise: float = 0.0
     offsets: bool = False
+    sizes: Callable[[Any], Any] | None = field(default=None, compare=False, repr=False)
 
     @classmethod
     def random(cls, seed: int, like: Plan) -> Plan:

@@ -2,27 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from nullbody.errors import InputError, SingularityError
-from nullbody.kinematics import Configuration, coordinate_scales, project, regular_chart
+from nullbody.kinematics import coordinate_scales, regular_chart, regularity
 from nullbody.kinematics.newton import closed_to
 from nullbody.model import Model, State
+from nullbody.simulate.crossing import crossed_at, landed, leap_over, leap_piece
 from nullbody.simulate.event import Event, Happened, first_crossing
-from nullbody.simulate.motion import Full, Input, Motion
+from nullbody.simulate.motion import Input, Motion
 from nullbody.simulate.outcome import Outcome
+from nullbody.simulate.piece import Piece, Run
 from nullbody.tolerances import CLOSED_STEP, LARGE_SPREAD, SIMULATED_SPREAD, SWITCH_DOUBT, SWITCH_SPREAD
 from nullbody.typing import FloatArray
 
-__all__ = ["Integration", "Piece", "Run", "Settings", "at_time"]
+__all__ = ["Integration", "Settings"]
 
-_NEAR = 1e-5  # regularity of A, against that at the start, at which no step should end: rounding grows as 1 / it
-_RETREAT = 0.61  # of a step that ended there
-_RETREATS = 4
+_ENDED = object()  # instead of an integrator: the simulation is over
+_CLOSER = 5.0  # by which doubt has grown from its least value where another look at A is due
+_BESIDE = 0.5  # regularity of A against that at the start, below which a configuration singularity may be near
+_NEAR = 1e-3  # likewise, below which a simulation that cannot go on has met one
+_RETRIES = 5  # other charts after failed steps, without a step between
+_LATE = 4.0  # by which |N|^2 at the end of a step exceeds what is watched for where the step is made again in another chart
 _RISE = 4.0  # by which |N| grows before another look is worth its price
 
 
@@ -48,63 +53,6 @@ class Settings:
     events: tuple[Event, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
-class Piece:
-    """One step: the motion between two times, in one chart."""
-
-    t0: float
-    t1: float
-    motion: Motion
-    interpolant: Callable[[float], FloatArray]
-
-    def y(self, t: float) -> FloatArray:
-        """y at a time within the step, with the loops closed."""
-        return projected(self.motion, t, np.asarray(self.interpolant(t)))[0]
-
-    def full(self, t: float) -> Full:
-        """q, q' and the work at a time within the step."""
-        return self.motion.full(t, self.y(t))
-
-
-@dataclass
-class Run:
-    """What the integrator did.
-
-    Attributes:
-        knots: where steps ended: time, the motion in its chart, y there.
-        pieces: the steps.
-        outcome, note: how it ended.
-        energy: at the start [J].
-        events: what happened.
-        evaluations, projections, switches: counts.
-    """
-
-    knots: list[tuple[float, Motion, FloatArray]]
-    energy: float
-    pieces: list[Piece] = field(default_factory=list)
-    events: list[Happened] = field(default_factory=list)
-    outcome: Outcome = Outcome.COMPLETED
-    note: str = ""
-    evaluations: int = 0
-    projections: int = 0
-    switches: int = 0
-
-
-def at_time(pieces: Sequence[Piece], t: float) -> Piece:
-    """The step that a time lies in; the earlier one where two meet."""
-    ends = np.array([piece.t1 for piece in pieces])
-    return pieces[min(int(np.searchsorted(ends, t)), len(pieces) - 1)]
-
-
-def projected(motion: Motion, t: float, y: FloatArray) -> tuple[FloatArray, float]:
-    """y with its loops closed, and what |Phi| remains; y itself where they are closed already."""
-    residual = float(np.abs(motion.chart.residual(y[: motion.nq], t)).max(initial=0.0))
-    if residual <= CLOSED_STEP or not np.isfinite(residual):
-        return y, residual
-    q, residual = project(motion.chart, y[: motion.nq], t)
-    return np.concatenate([q, y[motion.nq :]]), residual
-
-
 class Integration:
     """Steps from a state until t1.
 
@@ -119,21 +67,23 @@ class Integration:
         self._scale = np.ones(len(model.coordinates))  # of coordinates, for |N|
         self._watched = [SWITCH_SPREAD, SWITCH_DOUBT]  # |N|^2 and doubt at which another look is due
         self._first = 1.0  # regularity of A at the start
-        self._retreats = 0
+        self._least_doubt = np.inf  # seen so far in this chart
+        self._leaping = False
+        self._failed = 0  # steps in a row
 
     def run(self, state: State, t0: float, t1: float, advance: Callable[[float], None]) -> Run:
         """Step until t1, or until something named in `Outcome` stops it."""
         if self.settings.switch:
             labels_A = self.model.all_rows(state.q, t0)[1]
             self._scale = coordinate_scales(self.model, labels_A)
-            self._first = Configuration.of(self.model, state.q, t0).regularity
+            self._first = regularity(self.model, state.q, t0)
         motion, y = self._begin(state, t0)
-        run = Run([(t0, motion, y)], sum(motion.energy(t0, y)))
+        run = Run([(t0, motion, y)], sum(motion.energy(t0, motion.full(t0, y))))
         if not np.isfinite(motion.rate(t0, y)).all():
             run.outcome, run.note = self._stuck(motion, t0, y, "")
             return run
         solver = self._solver(motion, t0, y, t1)
-        while solver is not None and solver.t < t1:
+        while solver is not None and solver is not _ENDED and solver.t < t1:
             solver = self._step(run, solver, t1, advance)
         return run
 
@@ -151,12 +101,14 @@ class Integration:
     def _motion(self, chart: Model) -> Motion:
         return Motion(self.model, chart, self.u, fixed=not self.settings.switch)
 
-    def _solver(self, motion: Motion, t: float, y: FloatArray, t1: float, first: float | None = None) -> Any:
+    def _solver(
+        self, motion: Motion, t: float, y: FloatArray, t1: float, first: float | None = None, longest: float = np.inf
+    ) -> Any:
         """A fresh integrator at a state."""
         from scipy.integrate import DOP853, Radau
 
         s = self.settings
-        options: dict[str, Any] = {"rtol": s.rtol, "atol": s.atol, "max_step": s.max_step}
+        options: dict[str, Any] = {"rtol": s.rtol, "atol": s.atol, "max_step": min(s.max_step, longest)}
         if first is not None:
             options["first_step"] = min(first, t1 - t, s.max_step)
         with np.errstate(all="ignore"):
@@ -166,7 +118,7 @@ class Integration:
 
     def _step(self, run: Run, solver: Any, t1: float, advance: Callable[[float], None]) -> Any:
         """One step and what follows from it; the integrator to go on with, or None."""
-        t0, motion, before = run.knots[-1]
+        t0, motion, _ = run.knots[-1]
         motion.refused = None
         evaluations = solver.nfev
         with np.errstate(all="ignore"):  # trial steps into a singularity are rejected
@@ -174,17 +126,23 @@ class Integration:
         run.evaluations += int(solver.nfev - evaluations)
         if solver.status == "failed":
             return self._after_failure(run, solver, t1, message or "")
-        if self._too_near(motion, solver):
-            return self._solver(motion, t0, before, t1, _RETREAT * float(solver.t - t0))
-        self._retreats = 0
+        earlier = self._earlier(run, solver, t1)
+        if earlier is not None:
+            return earlier
+        self._failed = 0
         piece = Piece(t0, float(solver.t), motion, solver.dense_output())
-        run.pieces.append(piece)
-        y, open_by = projected(motion, solver.t, solver.y)
+        beside = self._beside(motion, piece.t1, solver.y)
+        if (beside or motion.closing) and not self._leaping:
+            t_s = crossed_at(piece)
+            if t_s is not None:
+                leapt = self._leap(run, piece, t_s, t1, advance)
+                if leapt is not None:
+                    return leapt
+        y, open_by = run.add(piece)
         if y is not solver.y:
-            run.projections += 1
             solver.y = y
             solver.f = motion.rate(solver.t, y)
-        run.knots.append((float(solver.t), motion, y.copy()))
+        motion.closing = beside
         advance(float(solver.t))
         event = first_crossing(self.settings.events, t0, piece.t1, lambda t: motion.state(t, piece.y(t)))
         if event is not None:
@@ -211,9 +169,7 @@ class Integration:
         t, motion, y = run.knots[-1]
         if not self.settings.switch or t >= t1:
             return solver
-        N, _, _, doubt = motion.measures(t, y)
-        scaled = N * self._scale[motion.chart.independent_columns] / self._scale[:, None]
-        spread = float(np.sum(scaled * scaled))
+        spread, doubt = self._spread(motion, t, y)
         if spread < self._watched[0] and doubt < self._watched[1]:
             return solver
         better = self._better(motion.chart, y[: motion.nq], t)
@@ -221,6 +177,25 @@ class Integration:
             self._watched = [max(_RISE * spread, SWITCH_SPREAD), max(_RISE**4 * doubt, SWITCH_DOUBT)]
             return solver
         return self._in_chart(run, better, t1, float(solver.step_size or 0.0) or None)
+
+    def _spread(self, motion: Motion, t: float, y: FloatArray) -> tuple[float, float]:
+        """|N|^2 in radians and typical lengths, and doubt."""
+        N, _, _, doubt = motion.measures(t, y)
+        scaled = N * self._scale[motion.chart.independent_columns] / self._scale[:, None]
+        return float(np.sum(scaled * scaled)), doubt
+
+    def _earlier(self, run: Run, solver: Any, t1: float) -> Any:
+        """The integrator in another chart from the last knot, where a step came too near to a singularity of this one."""
+        t, motion, y = run.knots[-1]
+        if not self.settings.switch or self._leaping or self._failed >= _RETRIES:
+            return None
+        if self._spread(motion, solver.t, solver.y)[0] < _LATE * self._watched[0]:
+            return None
+        better = self._better(motion.chart, y[: motion.nq], t, forced=True)
+        if better is motion.chart:
+            return None
+        self._failed += 1
+        return self._in_chart(run, better, t1, float(solver.t - t))
 
     def _in_chart(self, run: Run, chart: Model, t1: float, first: float | None) -> Any:
         """Go on from the last knot in another chart."""
@@ -230,19 +205,55 @@ class Integration:
         start = onward.start(t, full.q, full.q_dot, full.work)
         run.knots[-1] = (t, onward, start)
         run.switches += 1
+        self._least_doubt = np.inf
         self._watched = [SWITCH_SPREAD, SWITCH_DOUBT]
         return self._solver(onward, t, start, t1, first)
 
-    def _too_near(self, motion: Motion, solver: Any) -> bool:
-        """Whether the step ended so near to a configuration singularity that rounding decides about the branch."""
-        if not self.settings.switch or self._retreats >= _RETREATS:
+    # -- configuration singularities ------------------------------------------------------------------------
+
+    def _beside(self, motion: Motion, t: float, y: FloatArray) -> bool:
+        """Whether A itself is about to lose rank."""
+        if not self.settings.switch:
             return False
-        _, _, _, doubt = motion.measures(solver.t, solver.y)
-        if doubt < self._watched[1]:
+        doubt = motion.measures(t, y)[3]
+        self._least_doubt = min(self._least_doubt, doubt)
+        if doubt < _CLOSER * self._least_doubt:
             return False
-        near = Configuration.of(motion.chart, solver.y[: motion.nq], solver.t).regularity < _NEAR * self._first
-        self._retreats += near
-        return near
+        return regularity(motion.chart, y[: motion.nq], t) < _BESIDE * self._first
+
+    def _leap(self, run: Run, crossing: Piece, t_s: float, t1: float, advance: Callable[[float], None]) -> Any:
+        """Go on behind a configuration singularity; None where there is no room, or the end is nearer."""
+        h = crossing.t1 - crossing.t0
+        if t_s - run.knots[-1][0] < 0.2 * h and run.pieces and run.pieces[-1].motion is crossing.motion:
+            run.pieces.pop()
+            run.knots.pop()
+        t0, motion, y0 = run.knots[-1]
+        leap = leap_over(t0, t_s)
+        if leap.end >= t1:
+            return None
+        self._leaping, motion.closing = True, True
+        count = int(np.ceil((leap.begin - t0) / (0.75 * h)))
+        solver = self._solver(motion, t0, y0, leap.begin, (leap.begin - t0) / count, (leap.begin - t0) / count)
+        while solver is not None and solver.t < leap.begin:
+            solver = self._step(run, solver, leap.begin, advance)
+        self._leaping = False
+        if solver is None:  # an event, or an end
+            return _ENDED if not run.outcome.ok or run.outcome is Outcome.EVENT else None
+        piece = leap_piece(run.pieces, leap)
+        if piece is None:  # the last steps were short ones: on as usual
+            return self._solver(motion, leap.begin, run.knots[-1][2], t1)
+        y = landed(piece, motion.rate)
+        if y is None:
+            run.outcome = Outcome.CONFIGURATION_SINGULARITY
+            run.note = f" (at t = {t_s:.6g} s; the rates behind it are not those before it)"
+            return _ENDED
+        run.pieces.append(piece)
+        run.knots.append((leap.end, motion, y))
+        run.crossings += 1
+        event = first_crossing(self.settings.events, leap.begin, leap.end, lambda t: motion.state(t, piece.y(t)))
+        if event is not None:
+            return self._at_event(run, piece, *event, t1) or _ENDED
+        return self._solver(motion, leap.end, y, t1, h)
 
     # -- ends -----------------------------------------------------------------------------------------------
 
@@ -251,8 +262,8 @@ class Integration:
         t, motion, y = run.knots[-1]
         if self.settings.switch and motion.refused not in (Outcome.NOT_FINITE, Outcome.SINGULAR_MASS_MATRIX):
             better = self._better(motion.chart, y[: motion.nq], t, forced=True)
-            if better is not motion.chart and self._retreats < _RETREATS:
-                self._retreats += 1
+            if better is not motion.chart and self._failed < _RETRIES:
+                self._failed += 1
                 return self._in_chart(run, better, t1, None)
         run.outcome, run.note = self._stuck(motion, t, y, message)
         return None
@@ -263,9 +274,9 @@ class Integration:
         if motion.refused in (Outcome.NOT_FINITE, Outcome.SINGULAR_MASS_MATRIX):
             return motion.refused, ""
         if not doubt < self._watched[1] or not spread < LARGE_SPREAD:
-            regularity = Configuration.of(motion.chart, y[: motion.nq], t).regularity
-            if regularity < np.sqrt(_NEAR) * self._first and self.settings.switch:
-                return Outcome.CONFIGURATION_SINGULARITY, f" (smallest singular value of A {regularity:.1e} of the largest)"
+            left = regularity(motion.chart, y[: motion.nq], t)
+            if left < _NEAR * self._first and self.settings.switch:
+                return Outcome.CONFIGURATION_SINGULARITY, f" (smallest singular value of A {left:.1e} of the largest)"
         if motion.refused is not None or not spread < LARGE_SPREAD:
             return self._singular(motion, delta, spread)
         return Outcome.STEP_TOO_SMALL, f" ({message})" if message else ""
@@ -309,7 +320,7 @@ class Integration:
         q_dot = onward.full(t, np.concatenate([self.model.own(after).q, after.v, [0.0]])).q_dot
         onward = self._motion(motion.chart)
         start = onward.start(t, after.q.copy(), q_dot, float(y[-1]))
-        before = sum(motion.energy(t, y))
-        start[-1] += sum(onward.energy(t, start)) - before  # what the event takes or gives counts as work
+        before = sum(motion.energy(t, motion.full(t, y)))
+        start[-1] += sum(onward.energy(t, onward.full(t, start))) - before  # what the event takes or gives counts as work
         run.knots.append((t, onward, start))
         return self._solver(onward, t, start, t1) if t < t1 else None

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nullbody.errors import SingularityError
+from nullbody.kinematics.newton import close_loops
 from nullbody.model import Model, State, rate_jacobian
 from nullbody.simulate.outcome import Outcome
 from nullbody.tolerances import LARGE_SPREAD, REGULAR_DOUBT, REGULAR_LOSS
@@ -43,12 +44,15 @@ class Motion:
 
     Attributes:
         refused: why the last rate was refused, or None.
+        closing: whether to close the loops before each rate, the independent coordinates held: beside a configuration
+            singularity N is right on the manifold only, an error d off it grows to d / distance.
     """
 
     def __init__(self, model: Model, chart: Model, u: Input | FloatArray, *, fixed: bool) -> None:
         self.model, self.chart, self.u, self.fixed = model, chart, u, fixed
         self.nq, self.nv = len(chart.coordinates), len(chart.independent)
         self.refused: Outcome | None = None
+        self.closing = False
         self._side = 0.0  # sign of |B| where it began
         self._limits = model.limits if np.isfinite(np.concatenate(model.limits)).any() else None
 
@@ -64,6 +68,8 @@ class Motion:
         """
         if not np.isfinite(y).all():  # a later stage of a step that is refused already
             return np.full(len(y), np.nan)
+        if self.closing:
+            y = self.closed(t, y)
         q, v = y[: self.nq], y[self.nq : self.nq + self.nv]
         try:
             u = self._input(t, y)
@@ -78,6 +84,12 @@ class Motion:
             massless = spread < LARGE_SPREAD
             return self._refuse(Outcome.SINGULAR_MASS_MATRIX if massless else Outcome.SINGULAR_INDEPENDENT_SET, y)
         return np.concatenate([q_dot, q_ddot[self.chart.independent_columns], [power]])
+
+    def closed(self, t: float, y: FloatArray) -> FloatArray:
+        """y with its loops closed, the independent coordinates held; y itself where Newton does not get there."""
+        free = np.setdiff1d(np.arange(self.nq), self.chart.independent_columns)
+        closed = close_loops(self.chart, y[: self.nq], free, t)
+        return np.concatenate([closed.q, y[self.nq :]]) if closed.converged else y
 
     def jacobian(self, t: float, y: FloatArray) -> FloatArray:
         """dy'/dy at constant inputs."""
@@ -115,9 +127,9 @@ class Motion:
             v = self._kinematics(t, y)[2][self.model.independent_columns]
         return self.model.trusted_state(y[: self.nq].copy(), v, t)
 
-    def energy(self, t: float, y: FloatArray) -> tuple[float, float]:
+    def energy(self, t: float, full: Full) -> tuple[float, float]:
         """Kinetic and potential energy [J], also right before a singularity."""
-        T, U = self.chart.evaluate("energy", y[: self.nq], self._kinematics(t, y)[2], t=t)
+        T, U = self.chart.evaluate("energy", full.q, full.q_dot, t=t)
         return float(T), float(U)
 
     def _input(self, t: float, y: FloatArray) -> FloatArray:

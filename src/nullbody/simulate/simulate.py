@@ -13,8 +13,9 @@ import numpy as np
 from nullbody.errors import InputError, SimulationError, StateError, UnknownName
 from nullbody.model import Model, State, checked_model, vector
 from nullbody.simulate.event import Event
-from nullbody.simulate.integration import Integration, Run, Settings, at_time
-from nullbody.simulate.motion import Motion
+from nullbody.simulate.integration import Integration, Settings
+from nullbody.simulate.motion import Full, Motion
+from nullbody.simulate.piece import Run, at_time
 from nullbody.simulate.progress import progress_bar
 from nullbody.simulate.trajectory import Statistics, Trajectory
 from nullbody.tolerances import GIVEN_CLOSED
@@ -172,40 +173,42 @@ def _moments(run: Run, wanted: int | FloatArray | None) -> list[_Moment]:
     """What to store: the knots, or the wanted times up to where the simulation came."""
     if wanted is None or not run.pieces:
         knots = run.knots if wanted is None or isinstance(wanted, int) else run.knots[: int(wanted[0] <= run.knots[0][0])]
-        return [_Moment(t, motion, y) for t, motion, y in knots]
+        return [_Moment(t, motion, y, motion.full(t, y)) for t, motion, y in knots]
     t0, end = run.knots[0][0], run.knots[-1][0]
     times = np.linspace(t0, end, wanted) if isinstance(wanted, int) else wanted[wanted <= end]
     steps = [(float(t), at_time(run.pieces, float(t))) for t in times]
-    return [_Moment(t, piece.motion, piece.y(t)) for t, piece in steps]
+    return [_Moment(t, piece.motion, piece.y(t), piece.full(t)) for t, piece in steps]
 
 
 class _Moment(NamedTuple):
-    """A time, the motion in its chart, and y."""
+    """A time, the motion in its chart, y, and all rates."""
 
     t: float
     motion: Motion
     y: FloatArray
+    full: Full
 
 
 def _stored(model: Model, run: Run, wanted: int | FloatArray | None, began: float) -> Trajectory:
     """Everything at the sample times, and the balances."""
     moments = _moments(run, wanted)
     count = len(moments)
-    full = [m.motion.full(m.t, m.y) for m in moments]
+    full = [m.full for m in moments]
     q = np.array([f.q for f in full]).reshape(count, len(model.coordinates))
     q_dot = np.array([f.q_dot for f in full]).reshape(count, len(model.coordinates))
     work = np.array([f.work for f in full])
-    energies = np.array([m.motion.energy(m.t, m.y) for m in moments]).reshape(-1, 2)
+    energies = np.array([m.motion.energy(m.t, m.full) for m in moments]).reshape(-1, 2)
     inputs = np.array([m.motion.inputs(m.t, m.y) for m in moments]).reshape(count, len(model.inputs))
     times = np.array([m.t for m in moments])
-    residual = max((float(np.abs(model.residual(f.q, m.t)).max(initial=0.0)) for f, m in zip(full, moments, strict=True)), default=0.0)
+    gaps = [np.abs(model.residual(m.full.q, m.t)).max(initial=0.0) for m in moments]
     balance = energies.sum(axis=1) - work
     statistics = Statistics(
         steps=len(run.pieces),
         evaluations=run.evaluations,
         projections=run.projections,
         switches=run.switches,
-        residual=residual,
+        crossings=run.crossings,
+        residual=float(max(gaps, default=0.0)),
         energy_drift=float(np.abs(balance - run.energy).max(initial=0.0)),
         seconds=time.perf_counter() - began,
     )

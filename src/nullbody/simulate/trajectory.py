@@ -11,8 +11,8 @@ import numpy as np
 from nullbody.errors import InputError, UnknownName
 from nullbody.model import Model, State
 from nullbody.simulate.event import Happened
-from nullbody.simulate.integration import Piece, at_time
 from nullbody.simulate.outcome import Outcome
+from nullbody.simulate.piece import Piece, at_time
 from nullbody.tolerances import LARGE_SPREAD
 from nullbody.typing import FloatArray
 
@@ -39,6 +39,7 @@ class Statistics:
         evaluations: calls of the forward dynamics.
         projections: steps after which the loops were closed again.
         switches: changes of the independent coordinates.
+        crossings: configuration singularities that were passed.
         residual: largest |Phi| at a stored sample [m].
         energy_drift: largest |T + U - work - initial value| [J].
         seconds: wall time [s].
@@ -48,6 +49,7 @@ class Statistics:
     evaluations: int
     projections: int
     switches: int
+    crossings: int
     residual: float
     energy_drift: float
     seconds: float
@@ -61,9 +63,10 @@ class Trajectory:
         model: the model that moved.
         t: times of the stored samples [s].
         q: coordinates, times x nq [m, rad].
-        v: independent rates, times x nv.
+        q_dot: their rates [m/s, rad/s].
         u: inputs, times x nu [N, N m].
-        kinetic, potential, work: energies and the work done by the inputs [J].
+        kinetic, potential, work: energies, and the work of inputs, drives and loads without a potential [J].
+        events: what happened on the way.
         outcome: how it ended.
         statistics: cost, closures, energy balance.
     """

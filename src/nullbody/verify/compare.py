@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
-from nullbody.errors import InputError, UnknownName, VerificationError
+from nullbody.errors import InputError, MechanismError, UnknownName, VerificationError
 from nullbody.formats import number
 from nullbody.model import Model, State, checked_model
 from nullbody.typing import FloatArray
@@ -20,6 +21,10 @@ from nullbody.verify.sample import admissible_states, typical_length
 from nullbody.verify.verification import Discrepancy, EngineResult, Verification
 
 __all__ = ["compare"]
+
+_SMALL = (
+    1e-3  # of a typical acceleration or force: errors of smaller ones are relative to this, zero ones have no scale
+)
 
 _ENGINES: Mapping[str, Callable[..., AbstractEngine]] = {
     "mujoco": MujocoEngine,
@@ -40,9 +45,14 @@ def compare(
 ) -> Verification:
     """A model against independent engines on random admissible states.
 
-    Every engine builds the robot anew from `model.mechanism` and the parameter values, and gets the same q, q'
-    and random inputs u. Compared are q'' and lambda for u, and the inputs for the q'' that the engine itself found
-    (so that no acceleration of ours enters it).
+    Every engine builds the mechanism anew from `model.mechanism` and the parameter values, and gets the same q, q', t
+    and random inputs u. Compared are
+
+    - q'' for u;
+    - lambda for u, without the multipliers of Euler parameters' norms, which are no forces. Where equations repeat
+      others, forces may be shared among them in many ways: there A^T lambda of the rows that were kept is compared;
+    - with one input for each degree of freedom, the inputs for the q'' that the engine itself found (so that no
+      acceleration of ours enters it); otherwise N^T (M q'' + h) for that q'' and a random admissible addition N w.
 
     Args:
         model: from `build`, with any parameter values.
@@ -55,7 +65,8 @@ def compare(
 
     Raises:
         UnknownName, InputError: no such engine, or arguments that make no sense.
-        VerificationError: an engine is not installed, and `missing` is "raise".
+        VerificationError: an engine is not installed, and `missing` is "raise". An engine that cannot have the
+            mechanism is skipped, with the reason in its result; where that leaves none, `ok` is false.
         AssemblyError: no admissible states were found.
     """
     checked_model(model)
@@ -66,7 +77,9 @@ def compare(
     made = [_engine(model, engine, missing) for engine in ([engines] if isinstance(engines, str) else engines)]
     sampled = admissible_states(model, states, seed)
     total = states * sum(isinstance(engine, AbstractEngine) for engine in made)
-    drawn = np.random.default_rng([seed, 1]).normal(size=(states, len(model.inputs))) * _input_scale(model)
+    pair = _Pair(model)
+    drawn = np.random.default_rng([seed, 1]).normal(size=(states, len(model.inputs))) * pair.input_scale
+    added = np.random.default_rng([seed, 2]).normal(size=(states, len(model.independent))) * pair.rate_scale
     tick, ticks = progress or (lambda done, total: None), iter(range(1, total + 1))
     results = []
     for engine in made:
@@ -74,8 +87,8 @@ def compare(
             results.append(engine)
             continue
         seen = []
-        for state, u in zip(sampled, drawn, strict=True):
-            seen.append(_both(model, engine, state, u))
+        for state, u, w in zip(sampled, drawn, added, strict=True):
+            seen.append(pair.seen(engine, state, u, w))
             tick(next(ticks), total)
         found = {name: _discrepancy([pairs[name] for pairs in seen], sampled) for name in seen[0]}
         results.append(EngineResult(engine.name, engine.version, found))
@@ -118,32 +131,83 @@ def _engine(model: Model, engine: str | AbstractEngine, missing: str) -> Abstrac
         raise UnknownName("engine", engine, _ENGINES)
     try:
         return _ENGINES[engine](model.mechanism, model.parameters, model.labels)
+    except MechanismError as error:
+        return EngineResult(engine, skipped=str(error))
     except VerificationError as error:
         if missing == "raise":
             raise
         return EngineResult(engine, skipped=str(error))
 
 
-def _input_scale(model: Model) -> FloatArray:
-    """A typical force [N] or torque [N m]: the total weight on earth, at the typical length."""
-    mechanism = model.mechanism
-    weight = 10.0 * sum(number(body.mass, model.parameters) for body in mechanism.bodies)
-    length = typical_length(model)
-    return np.array([weight * (1.0 if mechanism.units[name] == "m" else length) for name in mechanism.actuated])
+@dataclass(frozen=True, eq=False)
+class _Pair:
+    """A model, ready to be compared with engines."""
 
+    model: Model
 
-def _both(model: Model, engine: AbstractEngine, state: State, u: FloatArray) -> dict[str, _Seen]:
-    """All quantities of one state, from the model and from the engine."""
-    q_dot = model.velocity(state)
-    q_ddot, lam = engine.forward_dynamics(state.q, q_dot, u)
-    seen = {"forward_dynamics": _Seen(model.forward_dynamics(state, u), q_ddot, float(np.abs(q_ddot).max()))}
-    if len(lam):
-        seen["reactions"] = _Seen(model.reactions(state, u), lam, float(np.abs(lam).max()))
-    if len(model.inputs) == len(model.independent):
-        theirs, lam = engine.inverse_dynamics(state.q, q_dot, q_ddot)
-        ours = model.inverse_dynamics(state, q_ddot[model.independent_columns])
-        seen["inverse_dynamics"] = _Seen(ours, theirs, float(np.abs(np.concatenate([theirs, lam])).max()))
-    return seen
+    @cached_property
+    def _length(self) -> float:
+        return typical_length(self.model)
+
+    @cached_property
+    def _weight(self) -> float:
+        """The total weight on earth [N]."""
+        mechanism = self.model.mechanism
+        return 10.0 * sum(number(body.mass, self.model.parameters) for body in mechanism.bodies)
+
+    @cached_property
+    def input_scale(self) -> FloatArray:
+        """A typical force [N] or torque [N m]: the total weight, at the typical length."""
+        mechanism = self.model.mechanism
+        meant = [1.0 if mechanism.units[name] == "m" else self._length for name in mechanism.actuated]
+        return self._weight * np.array(meant)
+
+    @cached_property
+    def rate_scale(self) -> FloatArray:
+        """Typical accelerations of the independent coordinates."""
+        units = self.model.mechanism.units
+        return np.array([self._length if units[name] == "m" else 1.0 for name in self.model.independent])
+
+    @cached_property
+    def _forces(self) -> list[int]:
+        """Places of the multipliers that are forces or torques: all but those of Euler parameters' norms."""
+        norms = {f"{joint.name} {row}" for joint in self.model.mechanism.joints for row in joint.own_rows}
+        return [i for i, label in enumerate(self.model.labels) if label not in norms]
+
+    @cached_property
+    def _redundant(self) -> bool:
+        mechanism = self.model.mechanism
+        return len(self.model.labels) < len(mechanism.holonomic_rows) + len(mechanism.nonholonomic_rows)
+
+    def seen(self, engine: AbstractEngine, state: State, u: FloatArray, w: FloatArray) -> dict[str, _Seen]:
+        """All quantities of one state, from the model and from the engine."""
+        model, q, t = self.model, state.q, state.t
+        q_dot = model.velocity(state)
+        q_ddot, lam = engine.forward_dynamics(q, q_dot, u, t)
+        seen = {"forward_dynamics": self._seen(model.forward_dynamics(state, u), q_ddot, 1.0)}
+        if self._forces:
+            ours, theirs = (x[self._forces] for x in (model.reactions(state, u), lam))
+            if self._redundant:
+                A = model.rows(q, t)[0][self._forces]
+                ours, theirs = A.T @ ours, A.T @ theirs
+            seen["reactions"] = self._seen(ours, theirs, self._weight)
+        if model.independent and len(model.inputs) == len(model.independent):
+            theirs, lam = engine.inverse_dynamics(q, q_dot, q_ddot, t)
+            ours = model.inverse_dynamics(state, q_ddot[model.independent_columns])
+            seen["inverse_dynamics"] = self._seen(ours, theirs, self._weight, gross=np.concatenate([theirs, lam]))
+        elif model.independent:
+            N = model.null_space(state).N
+            moved = q_ddot + N @ w
+            forces, at_rest = (engine.generalized_forces(q, q_dot, x, t) for x in (moved, np.zeros_like(moved)))
+            ours = model.generalized_forces(state, moved[model.independent_columns])
+            gross = np.abs(N).T @ (np.abs(forces - at_rest) + np.abs(at_rest))
+            seen["inverse_dynamics"] = self._seen(ours, N.T @ forces, self._weight, gross=gross)
+        return seen
+
+    def _seen(self, ours: FloatArray, theirs: FloatArray, typical: float, gross: FloatArray | None = None) -> _Seen:
+        """Both sides against the engine's largest entry, or a thousandth of what is typical where that is more."""
+        largest = float(np.abs(theirs if gross is None else gross).max())
+        return _Seen(ours, theirs, max(largest, _SMALL * typical * min(self._length, 1.0)))
 
 
 def _discrepancy(pairs: Sequence[_Seen], sampled: Sequence[State]) -> Discrepancy:

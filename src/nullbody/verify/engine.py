@@ -10,10 +10,10 @@ from types import ModuleType
 import numpy as np
 
 from nullbody.errors import UnknownName, VerificationError
-from nullbody.mechanism import Mechanism
+from nullbody.mechanism import Mechanism, Spherical
 from nullbody.typing import FloatArray, IndexArray
 
-__all__ = ["AbstractEngine", "Terms", "input_matrix", "kept_rows", "load"]
+__all__ = ["AbstractEngine", "Terms", "input_matrix", "kept_rows", "load", "only_points"]
 
 #: M (nq x nq), h (nq), A (rows x nq) and c (rows) of one state.
 Terms = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
@@ -23,13 +23,17 @@ class AbstractEngine(ABC):
     """M q'' + h + A^T lambda = S u,  A q'' + c = 0, by somebody else's code.
 
     q, q', q'' are in the order of the mechanism's coordinates, u in that of its inputs. lambda has the paper's
-    sign, Phi = a - b for every loop, and the order of `labels`. A subclass is made by
-    `Engine(mechanism, values, labels)`; nothing but these three may enter it.
+    sign, Phi = a - b for every loop, and the order of `labels`. The time t [s] matters to mechanisms with drivers
+    or loads that depend on it. A subclass is made by `Engine(mechanism, values, labels)`; nothing but these three
+    may enter it.
+
+    Euler parameters move on |e| = 1; engines may differ in what they say about motions off it. That changes the
+    multiplier of the norm and nothing else.
 
     Attributes:
         name: as `compare` lists it.
         version: of the engine.
-        labels: the closure equations that lambda is for.
+        labels: the constraint equations that lambda is for.
     """
 
     name: str
@@ -37,12 +41,20 @@ class AbstractEngine(ABC):
     labels: tuple[str, ...]
 
     @abstractmethod
-    def forward_dynamics(self, q: FloatArray, q_dot: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def forward_dynamics(
+        self, q: FloatArray, q_dot: FloatArray, u: FloatArray, t: float = 0.0
+    ) -> tuple[FloatArray, FloatArray]:
         """(q'', lambda) for given inputs."""
 
     @abstractmethod
-    def inverse_dynamics(self, q: FloatArray, q_dot: FloatArray, q_ddot: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """(u, lambda) for given accelerations."""
+    def inverse_dynamics(
+        self, q: FloatArray, q_dot: FloatArray, q_ddot: FloatArray, t: float = 0.0
+    ) -> tuple[FloatArray, FloatArray]:
+        """(u, lambda) for given accelerations; the smallest u where many would do."""
+
+    @abstractmethod
+    def generalized_forces(self, q: FloatArray, q_dot: FloatArray, q_ddot: FloatArray, t: float = 0.0) -> FloatArray:
+        """M q'' + h, what inputs and reactions together must give."""
 
 
 def load(library: str, package: str, oldest: str) -> ModuleType:
@@ -72,16 +84,22 @@ def _numbers(version: str) -> tuple[int, ...]:
 
 
 def kept_rows(mechanism: Mechanism, labels: Sequence[str]) -> IndexArray:
-    """Where the labelled closure equations stand among those of all loops, redundant ones included.
+    """Where the labelled constraint equations stand among all of them, redundant ones included.
 
     Raises:
-        UnknownName: a label that no loop has.
+        UnknownName: a label that no equation has.
     """
-    rows = [f"{loop.name} {row}" for loop in mechanism.loops for row in loop.rows]
+    rows = [label for label, _ in (*mechanism.holonomic_rows, *mechanism.nonholonomic_rows)]
     for label in labels:
         if label not in rows:
-            raise UnknownName("closure equation", label, rows)
+            raise UnknownName("constraint equation", label, rows)
     return np.array([rows.index(label) for label in labels], dtype=np.intp)
+
+
+def only_points(mechanism: Mechanism) -> bool:
+    """Whether points of bodies held together are all there is: no other constraint, no Euler parameters, no load."""
+    others = any(joint.own_rows for joint in mechanism.joints) or mechanism.constraints or mechanism.loads
+    return not others and all(isinstance(loop, Spherical) for loop in mechanism.loops)
 
 
 def input_matrix(mechanism: Mechanism) -> FloatArray:

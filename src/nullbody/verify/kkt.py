@@ -17,6 +17,7 @@ from nullbody.verify.engine import AbstractEngine, Terms, input_matrix, kept_row
 __all__ = ["AbstractTermsEngine", "accelerations", "forces", "multipliers"]
 
 _RANK = 1e-10  # relative; a redundant closure leaves about 1e-15, a regular state 1e-3 and more
+_LIGHT = 1e-8  # M_ii against the largest: below, a coordinate is not scaled further (Euler parameters, massless parts)
 
 
 class AbstractTermsEngine(AbstractEngine):
@@ -28,23 +29,33 @@ class AbstractTermsEngine(AbstractEngine):
         self._S = input_matrix(mechanism)
 
     @abstractmethod
-    def terms(self, q: FloatArray, q_dot: FloatArray) -> Terms:
-        """M, h, A, c at one state."""
+    def terms(self, q: FloatArray, q_dot: FloatArray, t: float = 0.0) -> Terms:
+        """M, h, A, c at one state; A and c of all rows, holonomic ones first."""
 
-    def forward_dynamics(self, q: FloatArray, q_dot: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def forward_dynamics(
+        self, q: FloatArray, q_dot: FloatArray, u: FloatArray, t: float = 0.0
+    ) -> tuple[FloatArray, FloatArray]:
         """(q'', lambda) for given inputs."""
-        return accelerations(self.terms(q, q_dot), self._S @ u, self._kept)
+        return accelerations(self.terms(q, q_dot, t), self._S @ u, self._kept)
 
-    def inverse_dynamics(self, q: FloatArray, q_dot: FloatArray, q_ddot: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def inverse_dynamics(
+        self, q: FloatArray, q_dot: FloatArray, q_ddot: FloatArray, t: float = 0.0
+    ) -> tuple[FloatArray, FloatArray]:
         """(u, lambda) with S u - A^T lambda = M q'' + h."""
-        return forces(self.terms(q, q_dot), self._S, q_ddot, self._kept)
+        return forces(self.terms(q, q_dot, t), self._S, q_ddot, self._kept)
+
+    def generalized_forces(self, q: FloatArray, q_dot: FloatArray, q_ddot: FloatArray, t: float = 0.0) -> FloatArray:
+        """M q'' + h"""
+        M, h, _, _ = self.terms(q, q_dot, t)
+        return np.asarray(M @ q_ddot + h, dtype=np.float64)
 
 
 def accelerations(terms: Terms, force: FloatArray, kept: IndexArray) -> tuple[FloatArray, FloatArray]:
     """(q'', lambda) for generalized forces S u.
 
     All rows of A hold, redundant ones too; lambda is for the rows in `kept` alone (those must be independent).
-    Coordinates are scaled by 1/sqrt(M_ii) and rows to unit length, so that units do not decide about rank.
+    Coordinates are scaled by 1/sqrt(M_ii) and rows to unit length, so that units do not decide about rank. M may be
+    singular along motions that A forbids, as that of Euler parameters along e.
     """
     M, h, A, c = terms
     size, rows = len(h), len(c)
@@ -76,9 +87,10 @@ def multipliers(A: FloatArray, unbalanced: FloatArray) -> FloatArray:
 
 
 def _scales(M: FloatArray, A: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """D = 1/sqrt(M_ii) of the coordinates and E = 1/|A_i D| of the closures; 1 where that is zero."""
+    """D = 1/sqrt(M_ii) of the coordinates and E = 1/|A_i D| of the rows; 1 where that is zero."""
     inertia = np.diag(M)
-    D = 1 / np.sqrt(np.where(inertia > 0, inertia, 1.0))
+    largest = float(inertia.max(initial=0.0))
+    D = 1 / np.sqrt(np.maximum(inertia, _LIGHT * largest)) if largest > 0 else np.ones(len(inertia))
     length = np.linalg.norm(A * D, axis=1)
-    largest = length.max(initial=0.0)
-    return D, 1 / np.where(length > _RANK * largest, length, max(largest, 1.0))
+    longest = length.max(initial=0.0)
+    return D, 1 / np.where(length > _RANK * longest, length, max(longest, 1.0))

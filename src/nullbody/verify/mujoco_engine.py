@@ -1,4 +1,4 @@
-"""MuJoCo's own mass matrix, bias and point Jacobians from our MJCF, in an exact solve.
+"""MuJoCo's own mass matrix, bias and Jacobians of a tree of its own joints, in an exact solve.
 
 MuJoCo holds equality constraints only softly (2e-4 relative on accelerations of the 3-PRS), so its solver is
 left out; everything that depends on the geometry and the masses is its own.
@@ -10,60 +10,71 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from nullbody.formats import write_mjcf
+from nullbody.formats import mass_properties, steps
 from nullbody.mechanism import Mechanism
 from nullbody.typing import FloatArray
-from nullbody.verify.engine import Terms, load
-from nullbody.verify.kkt import AbstractTermsEngine
+from nullbody.verify.engine import load
+from nullbody.verify.engine_motion import FrameMotion, VelocityMap
+from nullbody.verify.mujoco_tree import body_name, principal_inertia, step_name, tree_document
+from nullbody.verify.tree_engine import AbstractTreeEngine
 
 __all__ = ["MujocoEngine"]
 
 _OLDEST = "3.3.3"  # before, mj_jacDot was wrong for a body with several hinges
 
 
-class MujocoEngine(AbstractTermsEngine):
-    """MuJoCo on the document that `write_mjcf` makes of the mechanism.
+class MujocoEngine(AbstractTreeEngine):
+    """MuJoCo with slides, hinges and balls for all tree joints; Euler parameters are its ball's quaternion.
 
     Raises:
         VerificationError: MuJoCo is not installed, or older than 3.3.3.
-        MechanismError: a mechanism that MuJoCo cannot have, such as a massless body in a loop.
+        MechanismError: a tree joint of a type that is no chain of slides, hinges and balls.
     """
 
     name = "mujoco"
 
     def __init__(self, mechanism: Mechanism, values: Mapping[str, float], labels: tuple[str, ...]) -> None:
-        super().__init__(mechanism, labels)
+        super().__init__(mechanism, values, labels)
         self._mujoco = load("mujoco", "mujoco", _OLDEST)
         self.version = str(self._mujoco.__version__)
-        self._model = self._mujoco.MjModel.from_xml_string(write_mjcf(mechanism, values))
+        self._model = self._mujoco.MjModel.from_xml_string(tree_document(mechanism, values))
+        self._ids = {body.name: self._model.body(body_name(body.name)).id for body in mechanism.bodies}
+        self._put_masses()
         self._data = self._mujoco.MjData(self._model)
-        joints = [self._model.joint(name) for name in mechanism.coordinates]
-        self._q_at = np.array([joint.qposadr[0] for joint in joints])
-        self._v_at = np.array([joint.dofadr[0] for joint in joints])
-        self._sites = [
-            (self._model.site(f"{loop.name}_a").id, self._model.site(f"{loop.name}_b").id) for loop in mechanism.loops
-        ]
+        chain = [step for joint in mechanism.joints for step in steps(joint)]
+        joints = [(step, self._model.joint(step_name(step.coordinate))) for step in chain]
+        places = {name: joint.qposadr[0] + k for step, joint in joints for k, name in enumerate(step.coordinates)}
+        self._q_at = np.array([places[name] for name in mechanism.coordinates], dtype=np.intp)
+        at = [(step, int(joint.dofadr[0])) for step, joint in joints]
+        self._map = VelocityMap(mechanism.coordinates, at, self._model.nv)
 
-    def terms(self, q: FloatArray, q_dot: FloatArray) -> Terms:
-        """M by columns (mj_mulM), h = qfrc_bias, A by mj_jac and c = J' q' by mj_jacDot at both points of each loop."""
+    def _put_masses(self) -> None:
+        """The true masses and principal moments; the carriers have none."""
+        model = self._model
+        model.body_mass[:] = 0
+        model.body_inertia[:] = 0
+        for body in self._mechanism.bodies:
+            mass, _, inertia = mass_properties(body, self._values)
+            model.body_mass[self._ids[body.name]] = mass
+            model.body_inertia[self._ids[body.name]] = principal_inertia(inertia)[0]
+
+    def _tree_terms(self, q: FloatArray, nu: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """M by columns (mj_mulM), h by mj_rne; mj_fwdPosition would factorise M, which may be singular."""
         engine, model, data = self._mujoco, self._model, self._data
         data.qpos[self._q_at] = q
-        data.qvel[self._v_at] = q_dot
-        engine.mj_fwdPosition(model, data)
-        engine.mj_fwdVelocity(model, data)
-        size = model.nv
-        M = np.zeros((size, size))
-        for column, unit in zip(M, np.eye(size), strict=True):
+        data.qvel[:] = nu
+        for stage in (engine.mj_kinematics, engine.mj_comPos, engine.mj_crb, engine.mj_comVel):
+            stage(model, data)
+        M, h = np.zeros((model.nv, model.nv)), np.zeros(model.nv)
+        for column, unit in zip(M, np.eye(model.nv), strict=True):
             engine.mj_mulM(model, data, column, unit)
-        A, c = np.zeros((3 * len(self._sites), size)), np.zeros(3 * len(self._sites))
-        for loop, (site_a, site_b) in enumerate(self._sites):
-            rows = slice(3 * loop, 3 * loop + 3)
-            for site, sign in ((site_a, 1), (site_b, -1)):
-                point, body = data.site_xpos[site], model.site_bodyid[site]
-                jacobian, rate = np.zeros((3, size)), np.zeros((3, size))
-                engine.mj_jac(model, data, jacobian, None, point, body)
-                engine.mj_jacDot(model, data, rate, None, point, body)
-                A[rows] += sign * jacobian
-                c[rows] += sign * (rate @ data.qvel)
-        at = self._v_at
-        return M[np.ix_(at, at)], data.qfrc_bias[at].copy(), A[:, at], c
+        engine.mj_rne(model, data, 0, h)
+        return M, h
+
+    def _frame(self, body: str, nu: FloatArray) -> FrameMotion:
+        """Pose, mj_jac and mj_jacDot of a body's frame."""
+        engine, model, data, at = self._mujoco, self._model, self._data, self._ids[body]
+        J, W, J_rate, W_rate = (np.zeros((3, model.nv)) for _ in range(4))
+        engine.mj_jac(model, data, J, W, data.xpos[at], at)
+        engine.mj_jacDot(model, data, J_rate, W_rate, data.xpos[at], at)
+        return FrameMotion(data.xmat[at].reshape(3, 3).copy(), data.xpos[at].copy(), J, W, J_rate, W_rate)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 
-from nullbody.errors import AssemblyError, SingularityError
-from nullbody.formats import frame, loop_points
+from nullbody.errors import AssemblyError, SingularityError, StateError
+from nullbody.formats import frame, number, triple
 from nullbody.kinematics import project
+from nullbody.mechanism import Distance, RollingDisc
 from nullbody.model import Model, State
 from nullbody.tolerances import CLOSED
 from nullbody.typing import FloatArray
@@ -17,19 +17,23 @@ from nullbody.typing import FloatArray
 __all__ = ["admissible_states", "typical_length"]
 
 _ANGLE = 0.8  # rad, of a random pose against the home
+_EULER = 0.4  # likewise, of Euler parameters: half angles
 _LENGTH = 0.35  # of the typical length, likewise
 _SPEED = 1.0  # 1/s: rates of angles, and of lengths in typical lengths
 _SPREAD = 30.0  # largest entry of N in rad and typical lengths: farther from |B| = 0 both sides keep 14 digits
 _SLACK = 10  # |Phi| of a sampled pose against CLOSED, for a typical length of 1 m
 _TRIES = 40  # for each state
+_TIMES = 1.0  # s, of states of mechanisms that the time drives; halved after every few failed tries
+_PATIENCE = 5
 
 
 def admissible_states(model: Model, count: int, seed: int = 0) -> list[State]:
     """States with closed loops and random velocities: the home, symmetric ones, and poses tilted at random.
 
     The first is the home configuration, every fourth shifts all independent coordinates of a unit alike (legs
-    equal), the others displace every coordinate at random; Newton steps of least norm then close the loops.
-    Poses where an entry of N exceeds 30 (in radians and typical lengths) are drawn again.
+    equal), the others displace every coordinate at random; Newton steps of least norm then close the loops and
+    normalise Euler parameters. Poses where an entry of N exceeds 30 (in radians and typical lengths) are drawn again.
+    Mechanisms with drivers get random times within a second.
 
     Args:
         model: any model whose mechanism has a home.
@@ -44,11 +48,13 @@ def admissible_states(model: Model, count: int, seed: int = 0) -> list[State]:
     rate_scale = _scales(model, model.independent)
     home = np.array(list(model.mechanism.home_values(model.parameters).values()))
     states = []
-    for number in range(count):
+    for index in range(count):
         for attempt in range(_TRIES):
-            kind = _kind(number, attempt)
+            kind = _kind(index, attempt)
             rate = _SPEED * random.normal(size=len(rate_scale)) * rate_scale
-            state = _state(model, home + _displacement(model, kind, random) * scale, rate)
+            moved = home + _displacement(model, kind, random) * scale
+            t = random.uniform(0, _TIMES * 0.5 ** (attempt // _PATIENCE)) if model.rheonomic and kind != "home" else 0.0
+            state = _state(model, moved, rate, t)
             if state is not None and _regular(model, state, scale, rate_scale):
                 states.append(state)
                 break
@@ -61,23 +67,27 @@ def admissible_states(model: Model, count: int, seed: int = 0) -> list[State]:
     return states
 
 
-def _kind(number: int, attempt: int) -> str:
+def _kind(index: int, attempt: int) -> str:
     """What a state is to be like; symmetric ones that fail too often become tilted ones."""
-    if number == attempt == 0:
+    if index == attempt == 0:
         return "home"
-    return "symmetric" if number % 4 == 1 and attempt < _TRIES // 4 else "tilted"
+    return "symmetric" if index % 4 == 1 and attempt < _TRIES // 4 else "tilted"
 
 
 def typical_length(model: Model) -> float:
-    """The largest distance among placements and loop points [m]; 1 where there is none."""
+    """The largest distance among placements, centres of mass, rods and radii [m]; 1 where there is none."""
     mechanism, values = model.mechanism, model.parameters
-    points: list[Any] = [frame(joint.at, values).position for joint in mechanism.joints]
-    points += [point for loop in mechanism.loops for point in loop_points(loop, values)]
-    return max((float(np.linalg.norm(point)) for point in points), default=0.0) or 1.0
+    joints = (*mechanism.joints, *mechanism.loops)
+    points = [frame(place, values).position for joint in joints for place in (joint.at, joint.on)]
+    points += [triple(body.centre, values) for body in mechanism.bodies]
+    lengths = [float(np.linalg.norm(point)) for point in points]
+    lengths += [number(loop.length, values) for loop in mechanism.loops if isinstance(loop, Distance)]
+    lengths += [number(disc.radius, values) for disc in mechanism.constraints if isinstance(disc, RollingDisc)]
+    return max(lengths, default=0.0) or 1.0
 
 
 def _scales(model: Model, names: Iterable[str]) -> FloatArray:
-    """What a coordinate is measured in: 1 rad, or the typical length."""
+    """What a coordinate is measured in: 1 rad or Euler parameter, or the typical length."""
     length, units = typical_length(model), model.mechanism.units
     return np.array([length if units[name] == "m" else 1.0 for name in names])
 
@@ -85,7 +95,7 @@ def _scales(model: Model, names: Iterable[str]) -> FloatArray:
 def _displacement(model: Model, kind: str, random: np.random.Generator) -> FloatArray:
     """A displacement of all coordinates from the home, in radians and typical lengths."""
     units = [model.mechanism.units[name] for name in model.coordinates]
-    reach = np.array([_LENGTH if unit == "m" else _ANGLE for unit in units])
+    reach = np.array([{"m": _LENGTH, "rad": _ANGLE, "": _EULER}[unit] for unit in units])
     if kind == "home":
         return np.zeros(len(units))
     if kind == "symmetric":
@@ -95,10 +105,16 @@ def _displacement(model: Model, kind: str, random: np.random.Generator) -> Float
     return reach * random.uniform(-1, 1, len(units))
 
 
-def _state(model: Model, q: FloatArray, v: FloatArray) -> State | None:
-    """The nearest pose with closed loops, or nothing where Newton does not get there."""
-    closed, residual = project(model, q)
-    return model.trusted_state(closed, v) if residual <= CLOSED * typical_length(model) * _SLACK else None
+def _state(model: Model, q: FloatArray, v: FloatArray, t: float) -> State | None:
+    """The nearest pose with closed loops, or nothing where Newton does not get there or an axis is reversed."""
+    closed, residual = project(model, q, t)
+    if residual > CLOSED * max(typical_length(model), 1.0) * _SLACK:
+        return None
+    try:
+        model.check_facing(closed, t)
+    except StateError:
+        return None
+    return model.trusted_state(closed, v, t)
 
 
 def _regular(model: Model, state: State, scale: FloatArray, rate_scale: FloatArray) -> bool:

@@ -71,9 +71,8 @@ class Taylor:
 
     def of(self, value: float, slope: float, curvature: float) -> Taylor:
         """f(x) for f, f', f'' at x: f(x)'' = f' x'' + f'' x'^2."""
-        return Taylor(
-            value, slope * self.first, slope * self.second + curvature * self.first[-1] * self.first
-        )
+        second = slope * self.second + curvature * self.first[-1] * self.first
+        return Taylor(value, slope * self.first, second)
 
 
 def _reciprocal(x: Taylor) -> Taylor:
@@ -142,9 +141,7 @@ class Moving:
         array = np.array(entries, dtype=object)
         none = np.zeros(directions)
         flat = [x if isinstance(x, Taylor) else Taylor(x, none, none) for x in array.ravel()]
-        value, first, second = (
-            np.array([getattr(x, part) for x in flat]) for part in ("value", "first", "second")
-        )
+        value, first, second = (np.array([getattr(x, part) for x in flat]) for part in ("value", "first", "second"))
         shape = (directions, *array.shape)
         return Moving(value.reshape(array.shape), first.T.reshape(shape), second.T.reshape(shape))
 
@@ -161,12 +158,13 @@ class Moving:
         """The product of a matrix with a matrix or a vector."""
         if not isinstance(other, Moving):
             return Moving(self.value @ other, self.first @ other, self.second @ other)
+        if other.value.ndim == 1:
+            column = Moving(other.value[:, None], other.first[..., None], other.second[..., None])
+            product = self @ column
+            return Moving(product.value[:, 0], product.first[..., 0], product.second[..., 0])
         a, b = self, other
-        second = _each(a.second, b.value) + _each(a.first, b.first[-1])
-        second += a.first[-1] @ b.first if b.value.ndim > 1 else b.first @ a.first[-1].T
-        second += a.value @ b.second if b.value.ndim > 1 else b.second @ a.value.T
-        first = _each(a.first, b.value) + (a.value @ b.first if b.value.ndim > 1 else b.first @ a.value.T)
-        return Moving(a.value @ b.value, first, second)
+        second = a.second @ b.value + a.first @ b.first[-1] + a.first[-1] @ b.first + a.value @ b.second
+        return Moving(a.value @ b.value, a.first @ b.value + a.value @ b.first, second)
 
     def entries(self) -> Any:
         """The numbers as nested lists."""
@@ -176,8 +174,3 @@ class Moving:
 
     def __getitem__(self, k: int) -> Moving:
         return Moving(self.value[k], self.first[:, k], self.second[:, k])
-
-
-def _each(stack: FloatArray, factor: FloatArray) -> FloatArray:
-    """The product of every matrix of a stack with a matrix or a vector."""
-    return np.asarray(stack @ factor)

@@ -25,7 +25,8 @@ class Discrepancy:
 
     Attributes:
         max_rel_error, median_rel_error: of the states' errors, each relative to the largest entry of the engine's
-            vector in that state (for forces: of the inputs and reactions together).
+            vector in that state (for inputs: of inputs and reactions together), or to a thousandth of a typical
+            acceleration or force where that is larger.
         max_abs_error: in the quantity's own units.
         state: number of the worst state.
         worst: that state.
@@ -48,8 +49,8 @@ class EngineResult:
     Attributes:
         name, version: of the engine.
         quantities: "forward_dynamics", q'' for random inputs; "inverse_dynamics", inputs for random admissible
-            accelerations, where the mechanism has one input for each degree of freedom; "reactions", lambda,
-            where there are loops.
+            accelerations where the mechanism has one input for each degree of freedom, N^T (M q'' + h) otherwise;
+            "reactions", lambda, where there are constraints (A^T lambda where some of them are redundant).
         skipped: why it did not run, or nothing.
     """
 

@@ -1,0 +1,81 @@
+"""Across a configuration singularity, where A loses rank but the motion is smooth: the flat pose of a parallelogram.
+
+N and gamma have limits along the motion, but a rate at the distance e from the singularity loses EPS / e^2, and no error
+estimate sees all of that. So no rate is evaluated beside it: a step is made that ends right before, its interpolant is
+continued to right behind, where the loops are closed again and the rates must be those of the interpolant:
+
+    t0 ---- step ---- t_s - w | t_s | t_s + w ---- on,        w = 1/20 of the way to t_s
+
+The distance is measured by 1/sqrt(doubt), the determinants against the lengths of their columns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from nullbody.simulate.piece import Piece
+from nullbody.typing import FloatArray
+
+__all__ = ["Leap", "crossed_at", "landed", "leap_over", "leap_piece"]
+
+_LOOKS = 12  # places within a step
+_DEEP = 0.05  # depth of a crossing against the ends of the step
+_WIDTH = 0.05  # w against the way to t_s
+_SMOOTH = 0.02  # relative difference of rates behind the singularity from those of the interpolant
+
+
+class Leap(NamedTuple):
+    """From a time before a singularity to one behind it."""
+
+    begin: float
+    end: float
+
+
+def crossed_at(piece: Piece) -> float | None:
+    """The time within a step, or shortly after it, at which the distance from a singularity passes through zero."""
+
+    def distance(t: float) -> float:
+        doubt = piece.motion.measures(t, np.asarray(piece.interpolant(t)))[3]
+        return 1 / float(np.sqrt(doubt)) if np.isfinite(doubt) and doubt > 0 else 0.0
+
+    times = np.linspace(piece.t0, piece.t1, _LOOKS + 1)
+    values = [distance(float(t)) for t in times]
+    k = int(np.argmin(values))
+    if k == _LOOKS:  # still approaching: straight on
+        slope = (values[-1] - values[-3]) / (times[-1] - times[-3])
+        after = values[-1] / max(-slope, 1e-300)
+        return float(piece.t1 + after) if after < 0.1 * (piece.t1 - piece.t0) else None
+    if k == 0:
+        return None
+    from scipy.optimize import minimize_scalar
+
+    width = 1e-6 * (piece.t1 - piece.t0)
+    found = minimize_scalar(distance, bounds=(times[k - 1], times[k + 1]), method="bounded", options={"xatol": width})
+    return float(found.x) if float(found.fun) < _DEEP * min(values[0], values[-1]) else None
+
+
+def leap_over(t0: float, t_s: float) -> Leap:
+    """Where to leap from and to."""
+    w = _WIDTH * (t_s - t0)
+    return Leap(t_s - w, t_s + w)
+
+
+def leap_piece(pieces: Sequence[Piece], leap: Leap) -> Piece | None:
+    """The last step that is longer than the leap, continued over it; None where it ended too early for that."""
+    width = leap.end - leap.begin
+    source = next((piece for piece in reversed(pieces) if piece.t1 - piece.t0 > width), None)
+    if source is None or leap.begin - source.t1 > width:
+        return None
+    return Piece(leap.begin, leap.end, source.motion, source.interpolant, across=True)
+
+
+def landed(piece: Piece, rate: Callable[[float, FloatArray], FloatArray]) -> FloatArray | None:
+    """y at the end of a leap with the loops closed, or None where the motion does not go on as it came."""
+    motion, t = piece.motion, piece.t1
+    y = motion.closed(t, np.asarray(piece.interpolant(t)))
+    found, expected = rate(t, y), piece.slope(t)
+    size = float(np.abs(expected).max())
+    return y if np.abs(found - expected).max() <= _SMOOTH * size else None
