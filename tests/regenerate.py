@@ -9,11 +9,18 @@ from tests.cli.help import help_texts
 from tests.docs.api import api_page
 from tests.docs.catalog import catalog_page
 from tests.docs.page import page_texts
+from tests.formats.published import schema_text
 
 __all__ = ["GENERATORS", "regenerate"]
 
 #: Each returns the golden files that it is responsible for, and what belongs into them.
-GENERATORS: tuple[Callable[[], dict[Path, str]], ...] = (help_texts, api_page, catalog_page, page_texts)
+GENERATORS: tuple[Callable[[], dict[Path, str]], ...] = (
+    help_texts,
+    api_page,
+    catalog_page,
+    page_texts,
+    schema_text,
+)
 
 
 def regenerate() -> list[Path]:

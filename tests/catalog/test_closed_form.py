@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nullbody.catalog import closed_form_of, three_prs
+from nullbody.catalog import CLOSED_FORMS, closed_form_of, three_prs
 from nullbody.errors import AssemblyError, SingularityError
+from nullbody.mechanism import MechanismBuilder
 from tests.catalog.test_three_prs import closures
 from tests.oracles.robot import COORDINATES
 
@@ -113,3 +114,11 @@ def test_other_known_coordinates_are_left_to_the_general_method() -> None:
     assert FORM.assemblies(PARAMETERS, {"y": 0.4, "psi": 0.0, "phi": 0.0}) is None
     assert FORM.inverse(PARAMETERS, {"x": 0.0, "psi": 0.0, "phi": 0.0}) is None
     assert FORM.inverse(PARAMETERS, {"psi": 0.0, "phi": 0.0}) is None
+
+
+def test_a_mechanism_of_ones_own_with_a_name_of_the_catalog_has_no_closed_form() -> None:
+    for name in CLOSED_FORMS:
+        b = MechanismBuilder(name)
+        b.rod("arm", 1, 1)
+        b.revolute("q", "ground", "arm")
+        assert closed_form_of(b.build()) is None

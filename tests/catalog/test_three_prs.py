@@ -110,8 +110,8 @@ def test_the_catalog_by_name() -> None:
     assert set(catalog.MODELS) >= {"three_prs"}
     assert isinstance(catalog.mechanism("three_prs", l=0.6), Mechanism)
     assert catalog.mechanism("three_prs", l=0.6) == three_prs(l=0.6)
-    with pytest.raises(UnknownName, match="no model in the catalog 'three_rps'; did you mean 'three_prs'"):
-        catalog.mechanism("three_rps")
+    with pytest.raises(UnknownName, match="no model in the catalog 'tree_prs'; did you mean 'three_prs'"):
+        catalog.mechanism("tree_prs")
     robot = catalog.three_prs(l=0.7)
     assert catalog.closed_form_of(robot) is not None
     assert catalog.closed_form_of(replace(robot, name="other")) is None

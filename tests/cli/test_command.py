@@ -19,11 +19,20 @@ def model() -> library.Model:
 
 def test_models_lists_the_catalog(nullbody) -> None:
     found = nullbody("models --json").json
-    assert list(found) == list(library.catalog.MODELS)
+    assert list(found) == list(library.catalog.ENTRIES)
     assert found["three_prs"]["inputs"] == {"F1": "s1", "F2": "s2", "F3": "s3"}
     assert found["three_prs"]["parameters"]["Iyy"]["formula"] == "M*b^2/2"
     shown = nullbody("models").out
+    assert all(name in shown for name in library.catalog.MODELS)
+
+
+def test_models_shows_one_of_them(nullbody) -> None:
+    shown = nullbody("models three_prs").out
     assert all(word in shown for word in ("nq = 12", "nv = 3", "leg1 leg2 leg3", "kg m^2", "M*b^2/2"))
+    assert "Lee, D. K. Shah" in nullbody("models three_rps").out
+    ended = nullbody("models three_rpx --json")
+    assert (ended.code, ended.out) == (2, "")
+    assert "did you mean 'three_rps'" in ended.err
 
 
 def test_derive_prints_the_equations(nullbody) -> None:

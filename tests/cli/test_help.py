@@ -70,4 +70,4 @@ def test_module_exits_with_the_code() -> None:
     assert (version.returncode, version.stdout) == (0, f"nullbody {__version__}\n")
     wrong = subprocess.run([*command, "derive", "nothing"], capture_output=True, text=True)
     assert (wrong.returncode, wrong.stdout) == (2, "")
-    assert wrong.stderr == "error: there is no model in the catalog 'nothing'; known: three_prs\n"
+    assert wrong.stderr.startswith("error: there is no model in the catalog 'nothing'; known: ")

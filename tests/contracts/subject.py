@@ -73,7 +73,8 @@ def subject(name: str) -> Subject:
 def _states(model: Model, home: State, draw: np.random.Generator) -> list[State]:
     states: list[State] = []
     while len(states) < 6:
-        known = {name: home[name] * (1 + draw.uniform(-0.2, 0.2)) for name in model.independent}
+        spread = {name: abs(home[name]) if abs(home[name]) > 1e-6 else 0.5 for name in model.independent}
+        known = {name: home[name] + draw.uniform(-0.2, 0.2) * spread[name] for name in model.independent}
         guess = {name: value + draw.uniform(-0.1, 0.1) for name, value in home.positions.items()}
         try:
             state = assemble(model, known, v=draw.normal(size=len(known)) * 0.5, guess={**guess, **known})

@@ -21,6 +21,7 @@ __all__ = ["PACKAGES", "api_page"]
 PACKAGES: dict[str, set[str]] = {
     "catalog": {"closed_form_of"},
     "mechanism": {"AbstractLoopJoint", "AbstractTreeJoint", "Motion", "Pose"},
+    "formats": {"RigidFrame", "Step", "frame", "loop_points", "mass_properties", "number", "steps", "triple"},
     "equations": {"Routine", "flat", "shape"},
     "model": {"programs", "vector"},
     "kinematics": set(),
@@ -157,7 +158,8 @@ def _items(text: str) -> str:
 
 def _methods(kind: type) -> Iterator[str]:
     rows = []
-    for name, value in vars(kind).items():
+    members = {name: value for base in _told_by(kind) for name, value in vars(base).items()}
+    for name, value in members.items():
         if (name.startswith("_") and name not in _SHOWN) or not inspect.getdoc(value):
             continue
         function = value.__func__ if isinstance(value, staticmethod | classmethod) else value
@@ -169,6 +171,12 @@ def _methods(kind: type) -> Iterator[str]:
     if rows:
         yield "\n| member | what | errors |\n|---|---|---|\n"
         yield from rows
+
+
+def _told_by(kind: type) -> list[type]:
+    """The class; of the builder also the parts that it is put together from."""
+    parts = [base for base in kind.__mro__[1:] if base.__module__.startswith("nullbody.mechanism.builder.")]
+    return [kind, *parts[:-1]] if parts else [kind]
 
 
 def _bare(call: str) -> str:

@@ -13,7 +13,9 @@ from nullbody.catalog import three_prs
 from nullbody.equations import flat
 from nullbody.expr import Tape
 from nullbody.formats import frame, write_mjcf
-from nullbody.mechanism import Body, Mechanism, Placement, Revolute, Rotation
+from nullbody.mechanism import Body, Mechanism, MechanismBuilder, Placement, Revolute, Rotation
+from tests.formats.dynamics import difference
+from tests.formats.zoo import chain
 from tests.mechanisms import four_bar, two_bodies
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install mujoco")
@@ -123,3 +125,117 @@ def test_frame_moves_first_and_turns_about_the_new_axes() -> None:
     assert placed.rotation @ [0, 0, 1] == pytest.approx([1, 0, 0], abs=1e-15)
     back = placed @ placed.inverse()
     assert np.abs(back.rotation - np.eye(3)).max() + np.abs(back.position).max() < 1e-15
+
+
+def one_loop(kind: str, **geometry: object) -> Mechanism:
+    """Two pendulums joined by a loop joint of some kind."""
+    b = MechanismBuilder("loop")
+    for name in "ab":
+        b.rod(name, 1, 0.5, radius=0.01)
+    b.revolute("qa", "ground", "a")
+    b.revolute("qb", "ground", "b", at=(0.4, 0, 0))
+    choice = {} if kind == "distance" else {"loop": True}
+    getattr(b, kind)("tie", "a", "b", **geometry, **choice)
+    return b.build()
+
+
+@pytest.mark.parametrize(
+    ("kind", "equalities"),
+    [
+        ("spherical", ["connect"]),
+        ("weld", ["weld"]),
+        ("revolute", ["connect", "connect"]),
+        ("distance", ["tendon"]),
+    ],
+)
+def test_loops_are_written_as_equalities(kind: str, equalities: list[str]) -> None:
+    geometry = (
+        {"length": 0.3, "at": (0, 0.1, 0), "on": (0.3, 0, 0)}
+        if kind == "distance"
+        else {"at": (0.5, 0, 0), "on": (0.3, 0, 0)}
+    )
+    document = write_mjcf(one_loop(kind, **geometry))
+    assert [child.tag for child in ElementTree.fromstring(document).find("equality")] == equalities
+    model = mujoco.MjModel.from_xml_string(document)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    if kind == "distance":
+        assert data.efc_pos[0] == pytest.approx(0.5**0.5 - 0.3)
+    if kind == "revolute":
+        assert data.efc_pos[: data.ne].tolist() == pytest.approx([-0.2, 0, 0, -0.2, 0, 0])
+
+
+@pytest.mark.parametrize("kind", ["prismatic", "cylindrical", "universal", "planar"])
+def test_a_loop_that_mujoco_has_no_word_for_is_named(kind: str) -> None:
+    with pytest.raises(MechanismError, match=f"'tie' is a {kind.title()}, which MuJoCo has no word for: close it by"):
+        write_mjcf(one_loop(kind))
+
+
+def cart(call: str, *arguments: object, **more: object) -> Mechanism:
+    """A cart with a ball on it and one more part."""
+    b = MechanismBuilder("cart")
+    b.sphere("cart", 1, 0.1)
+    b.sphere("load", 1, 0.1)
+    b.prismatic("x", "ground", "cart", axis="x")
+    b.spherical("ball", "cart", "load")
+    getattr(b, call)(*arguments, **more)
+    return b.build()
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (("wrench", "push", "cart", (1, 0, 0)), "'push' is a Wrench"),
+        (("energy", "well", "x^2"), "'well' is an energy of your own"),
+        (("energy", "rotor", 0, "x*x_dot^2/2"), "'rotor' is an energy of your own"),
+        (("driver", "drive", "x", "sin(t)"), "driver 'drive' follows the time"),
+        (("knife_edge", "blade", "cart"), "'blade' is a KnifeEdge"),
+        (("holonomic", "mine", "x^2 - 1"), "'mine' is a Holonomic"),
+        (("coordinate_spring", "spring", "ball_e1", 1), "'spring' acts on 'ball_e1', one of a ball's Euler parameters"),
+        (("coupling", "belt", "ball_e1", "x", 1), "'belt' acts on 'ball_e1'"),
+        (("actuator", "push", "ball_e1"), "'push' acts on 'ball_e1'"),
+    ],
+)
+def test_a_part_that_mujoco_has_no_word_for_is_named(call: tuple[str, ...], message: str) -> None:
+    with pytest.raises(MechanismError, match=message):
+        write_mjcf(cart(*call))
+
+
+def test_springs_of_one_joint_add_up() -> None:
+    b = MechanismBuilder("cart")
+    b.sphere("cart", 1, 0.1)
+    b.prismatic("x", "ground", "cart", axis="x")
+    b.coordinate_spring("one", "x", 3, 0.2, 0.5)
+    b.coordinate_spring("two", "x", 1, -0.2)
+    b.friction("rub", "x", 0.4, 0.25)
+    b.actuator("push", "x", ("-1", 2))
+    b.driver("hold", "x", 0.1)
+    document = ElementTree.fromstring(write_mjcf(b.build()))
+    joint = document.find(".//joint[@name='x']").attrib
+    assert [float(joint[key]) for key in ("stiffness", "springref", "damping", "frictionloss")] == pytest.approx(
+        [4, 0.1, 0.75, 0.4]
+    )
+    assert document.find(".//motor").attrib["ctrlrange"] == "-1 2"
+    assert document.find("equality/joint").attrib == {"name": "hold", "joint1": "x", "polycoef": "0.1 0 0 0 0"}
+
+
+def test_a_massless_body_that_is_fixed_needs_no_merging() -> None:
+    b = MechanismBuilder("stand")
+    b.body("stand")
+    b.sphere("a", 1, 0.1)
+    b.sphere("b", 1, 0.1)
+    b.weld("bolts", "ground", "stand", at=(0, 0, 1))
+    b.revolute("qa", "stand", "a")
+    b.revolute("qb", "stand", "b", at=(1, 0, 0))
+    model = mujoco.MjModel.from_xml_string(write_mjcf(b.build()))
+    assert (model.nbody, model.nv) == (4, 2)
+
+
+def test_a_ball_in_a_turned_frame_keeps_its_euler_parameters() -> None:
+    made = chain()
+    document = write_mjcf(made)
+    assert difference(made, document) < 1e-12
+    model = mujoco.MjModel.from_xml_string(document)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    assert data.joint("s_e0").qpos.tolist() == [1, 0, 0, 0]

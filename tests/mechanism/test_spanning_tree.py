@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from nullbody.errors import MechanismError
-from nullbody.mechanism.builder.spanning_tree import Edge, spanning_tree, unreached
+from nullbody.mechanism.builder.spanning_tree import Edge, bases, spanning_tree, unreached
 
 
 def tree(*edges: Edge) -> list[str]:
@@ -58,6 +58,11 @@ def test_a_joint_of_one_way_is_not_turned_round() -> None:
 def test_bodies_that_only_loop_joints_hold_are_not_reached() -> None:
     branches = spanning_tree([Edge("shaft", "ground", "a", 1), Edge("rod", "a", "b", 0, "loop")])
     assert unreached(["b", "a", "c"], branches) == ["b", "c"]
+
+
+def test_each_group_of_bodies_gets_one_base() -> None:
+    edges = [Edge("ab", "b", "a", 7, "tree", True), Edge("bc", "c", "b", 1), Edge("rod", "c", "d", 0, "loop")]
+    assert bases(["a", "b", "c", "d"], edges) == ["b", "d"]
 
 
 def test_a_ladder_of_forty_rungs_has_short_chains() -> None:

@@ -25,9 +25,11 @@ def test_numbers_and_texts(given: Any, kept: Any) -> None:
     assert (found, type(found)) == (kept, type(kept))
 
 
-@pytest.mark.parametrize("given", [True, None, math.nan, math.inf, 1j, [1], {"x": 1}, object(), "__import__('os')", "x[0]"])
+@pytest.mark.parametrize(
+    "given", [True, None, math.nan, math.inf, 1j, [1], {"x": 1}, object(), "__import__('os')", "x[0]"]
+)
 def test_anything_else_is_refused_with_its_place(given: Any) -> None:
-    with pytest.raises(ExpressionError, match="^the place: "):
+    with pytest.raises(ExpressionError, match=r"^the place: "):
         scalar(given, "the place")
 
 
@@ -45,14 +47,14 @@ def expressions(library: Any) -> list[Any]:
     return [
         x - y,
         -x * (x - y) ** 2 / 3,
-        x ** -2 * y,
+        x**-2 * y,
         2 / (3 * x * (y - 1)),
         library.sqrt(x + 2) ** 3,
         (x + 2) ** (-half),
         library.sin(x) * library.cos(y - x) - library.tan(x / 2),
         library.cot(x) + library.sec(y) * library.csc(x),
         library.pi * x / 2 - library.Rational(-2, 7),
-        x ** 2 ** 2,
+        x**2**2,
         (-x) ** 3,
         library.Rational(-2, 3) ** 2 * x,
         (x**2) ** half - -y,
@@ -100,7 +102,7 @@ def test_what_the_grammar_has_no_word_for_is_named(name: str) -> None:
         library.log(t),
         library.Symbol("x y"),
     ):
-        with pytest.raises(ExpressionError, match="^the place: "):
+        with pytest.raises(ExpressionError, match=r"^the place: "):
             scalar(given, "the place")
 
 
@@ -115,7 +117,7 @@ def test_matrices_and_relations_are_no_scalars() -> None:
 def test_an_expression_that_grows_without_limit_is_refused() -> None:
     sympy = pytest.importorskip("sympy")
     x = sympy.Symbol("x")
-    for _ in range(40):
-        x = sympy.sin(x) + sympy.cos(x)
+    for _ in range(13):
+        x = sympy.Add(sympy.sin(x, evaluate=False), sympy.cos(x, evaluate=False), evaluate=False)
     with pytest.raises(ExpressionError, match="too large"):
         scalar(x, "here")

@@ -108,7 +108,12 @@ def test_rotation_matrices_of_every_pose_are_found_again() -> None:
 
 @pytest.mark.parametrize(
     ("axis", "message"),
-    [((0, 0, 0), "points nowhere"), ("w", "axis 'w'"), ((1, 2), "three components"), (("r", 0, 0), "is given by numbers")],
+    [
+        ((0, 0, 0), "points nowhere"),
+        ("w", "axis 'w'"),
+        ((1, 2), "three components"),
+        (("r", 0, 0), "is given by numbers"),
+    ],
 )
 def test_what_is_no_axis_is_refused(axis: Any, message: str) -> None:
     builder = MechanismBuilder("m")

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from nullbody.catalog import three_prs
 from nullbody.equations.closure import closures
-from nullbody.equations.frame import frames
-from nullbody.equations.scalar import ParameterScalars
+from nullbody.equations.motion import MotionExpressions
 from nullbody.errors import InputError
 from nullbody.expr import Exact, Expr, Graph, Tape, operations
 from nullbody.nullspace import null_space
@@ -42,11 +41,7 @@ def count(basis: Rows) -> int:
 def robot() -> list[list[Any]]:
     """A of the 3-PRS in a graph that holds nothing else, so that operations are counted as they are made here."""
     mechanism, graph = three_prs(), Graph()
-    scalars = ParameterScalars(graph, tuple(p.name for p in mechanism.parameters))
-    q = {name: graph.symbol(name) for name in mechanism.coordinates}
-    rates = [graph.symbol(f"{name}_dot") for name in q]
-    found = frames(mechanism, scalars, q)
-    return [list(row) for row in closures(mechanism, found, scalars, list(q.values()), rates).A]
+    return [list(row) for row in closures(mechanism, MotionExpressions.of(mechanism, graph)).A]
 
 
 @st.composite

@@ -109,9 +109,16 @@ def dynamics(found: Quantities, sample: Sample) -> None:
 
 def routines(found: Quantities, sample: Sample) -> None:
     """What routines repeat of the named outputs, and spread = |N|^2 of the dependent rows."""
-    for routine, outputs in (("closure", ("Phi", "A")), ("energy", ("T", "U")), ("kinematics", ("delta",))):
+    for routine, outputs in (
+        ("closure", ("Phi", "A")),
+        ("rows", ("A",)),
+        ("energy", ("T", "U")),
+        ("kinematics", ("delta",)),
+    ):
         for name in outputs:
             close(found[f"{routine}.{name}"], sample.truth[name], f"{routine}: {name}")
+    for name in ("b", "rows.b", "beta"):
+        close(found[name], np.zeros(found[name].shape), f"{name} without drivers")
     spread = (sample.truth["N"][:9] ** 2).sum()
     for routine in ("kinematics", "forward_dynamics", "inverse_dynamics"):
         close(found[f"{routine}.spread"], spread, f"{routine}: spread")
@@ -127,6 +134,7 @@ def power(found: Quantities, sample: Sample) -> None:
     rates, M, h = sample.truth["q_dot"], found["M"], found["h"]
     gained = rates @ (M @ found["forward_dynamics.q_ddot"] + h)
     close(gained, sample.truth["u"] @ sample.truth["v"], "power", np.abs(rates) @ np.abs(h))
+    close(found["forward_dynamics.power"], sample.truth["u"] @ sample.truth["v"], "power of the inputs")
     close(rates @ found["A"].T @ found["reactions.lam"], 0.0, "power of lambda", np.abs(found["reactions.lam"]).max())
 
 

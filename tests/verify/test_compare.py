@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import dataclass
+from fractions import Fraction
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from nullbody import InputError, UnknownName, VerificationError, build, derive
+from nullbody.mechanism import GROUND, AbstractTreeJoint, Body, Mechanism, Motion, Pose, Revolute
 from nullbody.verify import AbstractEngine, MujocoEngine, MultiplierEngine, PinocchioEngine, compare
 from tests.mechanisms import four_bar, slider_crank, two_bodies
+from tests.verify.hard import SPECIAL
+from tests.verify.mechanisms import quaternion_loop, tree
 
 PACKAGES = {"mujoco": "mujoco", "pinocchio": "pin", "multipliers": ""}
 CLASSES = {"mujoco": MujocoEngine, "pinocchio": PinocchioEngine, "multipliers": MultiplierEngine}
@@ -55,14 +60,14 @@ class Planted(AbstractEngine):
     name = "planted"
     version = "0"
 
-    def __init__(self, model, fault: str) -> None:
+    def __init__(self, model, fault: str, row: int = 4) -> None:
         self.labels = model.labels
-        self.fault = fault
+        self.fault, self.row = fault, row
         self.honest = MultiplierEngine(model.mechanism, model.parameters, model.labels)
 
     def forward_dynamics(self, q, q_dot, u, t=0.0):
         q_ddot, lam = self.honest.forward_dynamics(q, q_dot, u, t)
-        return q_ddot, lam * np.where(np.arange(len(lam)) == 4, -1, 1) if self.fault == "reactions" else lam
+        return q_ddot, lam * np.where(np.arange(len(lam)) == self.row, -1, 1) if self.fault == "reactions" else lam
 
     def inverse_dynamics(self, q, q_dot, q_ddot, t=0.0):
         u, lam = self.honest.inverse_dynamics(q, q_dot, q_ddot, t)
@@ -81,6 +86,58 @@ def test_one_flipped_force_is_named(fault, robot) -> None:
     with pytest.raises(VerificationError, match=r"in state \d of 4, seed 0: .* State: x = "):
         found.check()
     assert "<- too large" in str(found)
+
+
+def test_flipped_generalized_force_is_named_where_inputs_are_few() -> None:
+    model = build(derive(tree("Universal")))
+    assert compare(model, engines=(Planted(model, ""),), states=3).ok
+    found = compare(model, engines=(Planted(model, "generalized_forces"),), states=3)
+    wrong = [name for name, quantity in found["planted"].quantities.items() if quantity.max_rel_error > 1e-10]
+    assert wrong == ["inverse_dynamics"]
+
+
+def test_multipliers_of_norms_are_no_reactions() -> None:
+    """Another number for |e| = 1 alone is no disagreement; for a force it is."""
+    model = build(derive(quaternion_loop("Spherical")))
+    norm = model.labels.index("free norm")
+    assert (
+        "reactions"
+        in compare(model, engines=(Planted(model, "reactions", norm),), states=3).check()["planted"].quantities
+    )
+    assert not compare(model, engines=(Planted(model, "reactions", 0),), states=3).ok
+
+
+def test_redundant_equations_share_their_force() -> None:
+    """Compared are generalized forces: a flipped one is noticed all the same."""
+    model = build(derive(SPECIAL["welded_twice"]()))
+    found = compare(model, engines=(Planted(model, ""),), states=3).check()
+    assert found["planted"]["reactions"].ours.shape == (len(model.coordinates),)
+    assert not compare(model, engines=(Planted(model, "reactions", 1),), states=3).ok
+
+
+def test_mechanism_that_an_engine_cannot_have_is_skipped_with_the_reason(engine) -> None:
+    @dataclass(frozen=True)
+    class Helix(AbstractTreeJoint):
+        """p = q / 10 along z, R = Rz(q)."""
+
+        units = ("rad",)
+        zero = (0,)
+
+        def motion(self, q, sin, cos) -> Motion:
+            turn = Revolute("turn", "a", "b").motion(q, sin, cos)
+            return Motion(Pose(turn.pose.rotation, [0, 0, q[0] / 10]), turn.angular, [[0, 0, Fraction(1, 10)]])
+
+    bolt = Body("bolt", 2, (0.1, 0, 0), (0.1, 0.1, 0.1))
+    model = build(derive(Mechanism("bolt", (bolt,), (Helix("thread", GROUND, "bolt", ("q",)),), gravity=(0, 0, -9.81))))
+    found = compare(model, engines=(engine,), states=3)
+    if engine == "multipliers":
+        assert found.check().ok
+        return
+    assert "joint 'thread' is a Helix, which cannot be written for another engine" in found[engine].skipped
+    assert not found.ok
+    with pytest.raises(VerificationError, match="nothing was verified"):
+        found.check()
+    assert compare(model, engines=(engine, "multipliers"), states=3).ok
 
 
 def test_wrong_gamma_is_noticed(robot, engine, monkeypatch) -> None:

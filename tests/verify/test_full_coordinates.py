@@ -1,27 +1,14 @@
-"""The second road inside: Taylor arithmetic, and dense multipliers with redundant closures."""
+"""The second road inside: dense multipliers with redundant closures and coordinates that move no mass."""
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 import pytest
 
 from nullbody import UnknownName
 from nullbody.verify import MultiplierEngine
-from nullbody.verify.taylor import Taylor, cosine, sine
 from nullbody.verify.kkt import accelerations, forces
 from tests.mechanisms import four_bar
-
-
-def test_taylor_arithmetic_has_the_derivatives_of_a_known_curve() -> None:
-    """x(t) = sin(2 t) (3 - cos t) + t at t = 0.7, against derivatives by hand."""
-    t = Taylor(0.7, np.array([1.0]), np.array([0.0]))
-    x = sine(2 * t) * (3 - cosine(t)) + t
-    s2, c2, s, c = math.sin(1.4), math.cos(1.4), math.sin(0.7), math.cos(0.7)
-    assert x.value == pytest.approx(s2 * (3 - c) + 0.7, rel=1e-15)
-    assert x.first[0] == pytest.approx(2 * c2 * (3 - c) + s2 * s + 1, rel=1e-15)
-    assert x.second[0] == pytest.approx(-4 * s2 * (3 - c) + 4 * c2 * s + s2 * c, rel=1e-15)
 
 
 def test_redundant_closures_hold_and_the_labelled_ones_carry_the_load() -> None:
@@ -48,6 +35,14 @@ def test_scaling_of_units_does_not_decide_about_rank() -> None:
     plain = accelerations((M, np.ones(3), A, np.ones(1)), np.zeros(3), np.array([0]))[0]
     tiny = accelerations((M * 1e-15, np.ones(3) * 1e-15, A * 1e-6, np.ones(1) * 1e-6), np.zeros(3), np.array([0]))[0]
     assert tiny == pytest.approx(plain, rel=1e-13)
+
+
+def test_coordinates_without_mass_that_a_closure_holds() -> None:
+    """M is singular along the second coordinate, as along the length of Euler parameters; A q'' + c = 0 gives it."""
+    terms = (np.diag([2.0, 0.0]), np.array([1.0, 0.0]), np.array([[0.0, 1.0]]), np.array([-3.0]))
+    q_ddot, lam = accelerations(terms, np.array([5.0, 0.25]), np.array([0]))
+    assert q_ddot == pytest.approx([2.0, 3.0])
+    assert lam == pytest.approx([0.25])
 
 
 def test_unknown_closure_is_named() -> None:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nullbody import AssemblyError
+from nullbody import AssemblyError, build, derive
 from nullbody.verify import admissible_states, sample
+from nullbody.verify.sample import typical_length
+from tests.verify.cases import CASES
 
 
 def test_states_are_closed_and_begin_at_home(robot) -> None:
@@ -41,6 +43,41 @@ def test_singular_poses_are_left_out(robot) -> None:
 
 
 def test_no_state_is_an_error(robot, monkeypatch) -> None:
-    monkeypatch.setattr(sample, "project", lambda model, q: (q, 1.0))
+    monkeypatch.setattr(sample, "project", lambda model, q, t: (q, 1.0))
     with pytest.raises(AssemblyError, match=r"no admissible pose of 'three_prs' .* s1, s2, s3 are singular"):
         admissible_states(robot, 1)
+
+
+def model_of(name):
+    return build(derive(CASES[name]()))
+
+
+def test_euler_parameters_are_normalised_and_rates_keep_them_so() -> None:
+    model = model_of("constraint RollingDisc")
+    states = admissible_states(model, 6)
+    at = [model.coordinates.index(f"e{k}") for k in range(4)]
+    assert max(abs(np.linalg.norm(state.q[at]) - 1) for state in states) < 1e-14
+    assert min(np.linalg.norm(state.q[at] - states[0].q[at]) for state in states[1:]) > 0.02
+    for state in states:
+        A, b = model.rows(state.q, state.t)
+        assert np.abs(A @ model.velocity(state) + b).max() < 1e-13
+
+
+def test_times_are_drawn_where_the_time_matters() -> None:
+    driven = admissible_states(model_of("constraint Driver"), 5)
+    assert driven[0].t == 0
+    assert len({state.t for state in driven}) == 5
+    assert all(0 <= state.t <= 1 for state in driven)
+    assert {state.t for state in admissible_states(model_of("constraint Coupling"), 3)} == {0}
+
+
+def test_loops_are_not_closed_the_wrong_way_round() -> None:
+    model = model_of("loop Cylindrical")
+    for state in admissible_states(model, 10):
+        model.check_facing(state.q)
+
+
+def test_typical_length_counts_placements_rods_and_radii(robot) -> None:
+    assert typical_length(robot) == pytest.approx(0.866, abs=0.4)
+    assert typical_length(model_of("loop Distance")) == pytest.approx(0.6)
+    assert typical_length(model_of("tree Free").replace(p=40)) == pytest.approx(40, rel=0.01)

@@ -96,15 +96,11 @@ def three_prs_trigonometric() -> Matrix:
     """A of the 3-PRS as functions of (q, a, b, l): sines, cosines and sqrt(3); sampled on the robot's own states."""
     from nullbody.catalog import three_prs
     from nullbody.equations.closure import closures
-    from nullbody.equations.frame import frames
-    from nullbody.equations.scalar import ParameterScalars
+    from nullbody.equations.motion import MotionExpressions
 
     mechanism = three_prs()
     graph = Graph()
-    scalars = ParameterScalars(graph, tuple(p.name for p in mechanism.parameters))
-    q = {name: graph.symbol(name) for name in mechanism.coordinates}
-    rates = [graph.symbol(f"{name}_dot") for name in mechanism.coordinates]
-    A = closures(mechanism, frames(mechanism, scalars, q), scalars, list(q.values()), rates).A
+    A = closures(mechanism, MotionExpressions.of(mechanism, graph)).A
 
     def sample(random: np.random.Generator, count: int) -> FloatArray:
         return random_states(random, count, made.numbers)

@@ -158,9 +158,8 @@ def closed_form_of(given: Mechanism) -> ClosedForm | None:
     if given.name not in CLOSED_FORMS:
         return None
     known = MODELS[given.name]()
-    if replace(given, parameters=known.parameters, home=known.home) != known or [p.name for p in given.parameters] != [
-        p.name for p in known.parameters
-    ]:
+    names = [[*made.coordinates, *(p.name for p in made.parameters)] for made in (given, known)]
+    if names[0] != names[1] or replace(given, parameters=known.parameters, home=known.home) != known:
         return None
     found: ClosedForm = import_module(CLOSED_FORMS[given.name]).CLOSED_FORM
     return found

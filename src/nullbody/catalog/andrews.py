@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import atan2
+from math import atan2, cos, hypot, pi, sin, sqrt
 
-from nullbody.catalog.dyad import dyad
+from nullbody.catalog.dyad import Point, dyad, meets
 from nullbody.catalog.start import Start
 from nullbody.mechanism import (
     GROUND,
@@ -30,6 +30,9 @@ from nullbody.mechanism import (
 from nullbody.typing import Triple
 
 __all__ = ["andrews", "starts"]
+
+_STEPS = 180  # of theta tried where bars of these lengths cannot meet at theta = 0
+_ROUNDING = 1e-12  # relative
 
 _MASSES = (0.04325, 0.00365, 0.02373, 0.00706, 0.07050, 0.00706, 0.05498)
 _MOMENTS = (2.194e-6, 4.410e-7, 5.255e-6, 5.667e-7, 1.169e-5, 5.667e-7, 1.912e-5)
@@ -89,7 +92,7 @@ def andrews(**values: float) -> Mechanism:
     (0, -e) of K4, and with A + R(epsilon) (0, -u) + R(omega + epsilon) (zf, 0) of K6. The motor's constant torque `mom`
     is a load; the input adds to it. No gravity.
 
-    Home is the start of the Test Set, theta = 0 (crank and K2 folded), closed for all lengths that allow it.
+    Home is the start of the Test Set, theta = 0 (K1 and K2 in line), or the theta nearest to it that the lengths allow.
 
     Source: Test Set for IVP Solvers, release 2.4, section II-13; W. Schiehlen (ed.), Multibody Systems Handbook (1990).
 
@@ -127,19 +130,36 @@ def andrews(**values: float) -> Mechanism:
         parameters=_PARAMETERS,
         end_effector="K3",
     ).with_parameters(**values)
-    return replace(mechanism, home=_folded(mechanism.values()))
+    return replace(mechanism, home=_home(mechanism.values()))
 
 
-def _folded(p: Mapping[str, float]) -> dict[str, float]:
-    """All angles for theta = 0: E on the circle of radius |d - rr| about O, G and H at the ends of two bars each."""
-    o, a, b = (0.0, 0.0), (p["xa"], p["ya"]), (p["xb"], p["yb"])
-    x, y = E = dyad(o, b, abs(p["d"] - p["rr"]), p["ss"])
-    side = 1 if p["rr"] > p["d"] else -1
+def _home(p: Mapping[str, float]) -> dict[str, float]:
+    """All angles for the theta nearest to 0 at which all bars meet."""
+    turns = (sign * pi * k / _STEPS for k in range(_STEPS) for sign in (1, -1))
+    return _angles(p, next((theta for theta in turns if _closes(p, theta)), 0.0))
+
+
+def _joint(p: Mapping[str, float], theta: float) -> Point:
+    """E: on the circle about B, at the distance from O that K1 and K2 make."""
+    reach = sqrt(p["rr"] ** 2 + p["d"] ** 2 - 2 * p["rr"] * p["d"] * cos(theta))
+    return dyad((0.0, 0.0), (p["xb"], p["yb"]), reach, p["ss"])
+
+
+def _closes(p: Mapping[str, float], theta: float) -> bool:
+    a, b, E = (p["xa"], p["ya"]), (p["xb"], p["yb"]), _joint(p, theta)
+    on_circle = abs(hypot(E[0] - b[0], E[1] - b[1]) - p["ss"]) < _ROUNDING * p["ss"]
+    return on_circle and meets(a, E, p["zt"], p["e"]) and meets(E, a, p["zf"], p["u"])
+
+
+def _angles(p: Mapping[str, float], theta: float) -> dict[str, float]:
+    """All angles for a given theta: G and H are where two bars each meet."""
+    a, b = (p["xa"], p["ya"]), (p["xb"], p["yb"])
+    x, y = E = _joint(p, theta)
     (gx, gy), (hx, hy) = dyad(a, E, p["zt"], p["e"]), dyad(E, a, p["zf"], p["u"])
     delta, epsilon = atan2(gy - a[1], gx - a[0]), atan2(hx - a[0], a[1] - hy)
     return {
-        "beta": atan2(side * y, side * x),
-        "theta": 0.0,
+        "beta": atan2(-y, -x) - atan2(p["d"] * sin(theta), p["d"] * cos(theta) - p["rr"]),
+        "theta": theta,
         "gamma": atan2(x - b[0], b[1] - y),
         "phi": atan2(x - gx, gy - y) - delta,
         "delta": delta,
@@ -149,5 +169,5 @@ def _folded(p: Mapping[str, float]) -> dict[str, float]:
 
 
 def starts(**values: float) -> dict[str, Start]:
-    """`test_set`: at rest with theta = 0."""
+    """`test_set`: at rest at home, theta = 0."""
     return {"test_set": Start(andrews(**values), duration=0.05, source="Test Set for IVP Solvers, II-13; IFToMM A03")}

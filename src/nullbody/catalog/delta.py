@@ -10,10 +10,12 @@ beta_i and gamma_i turn the forearm against the arm, about the arm's axis and th
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from math import pi
 
 from nullbody.catalog.delta_kinematics import forward
+from nullbody.errors import SingularityError
 from nullbody.mechanism import (
     GROUND,
     Actuator,
@@ -119,7 +121,8 @@ def _around(degrees: int, radius: str) -> Placement:
 def _home(p: Mapping[str, float]) -> dict[str, float]:
     """Three equal arms; straight, if no angle of the arms lets the platform hang below them."""
     for angle in _HOME:
-        found = forward(p, (angle, angle, angle))
-        if found:
-            return found[0]
+        with suppress(SingularityError):
+            found = forward(p, (angle, angle, angle))
+            if found:
+                return found[0]
     return {f"alpha{i}": 0.0 for i in _LEGS} | {"z": -p["lf"]}

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from math import acos, atan2, cos, hypot, sin
 
-__all__ = ["dyad", "meets"]
+__all__ = ["Point", "dyad", "meets"]
 
+#: x, y [m]
 Point = tuple[float, float]
 
 

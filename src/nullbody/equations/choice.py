@@ -47,28 +47,46 @@ def choose(
     """
     names = mechanism.coordinates
     order = sorted(range(len(names)), key=lambda j: names[j] in mechanism.actuated)
-    form = echelon(loops.A, order) if loops.A else Echelon((), (), ())
-    holonomic = echelon(loops.A[: len(loops.Phi)], order) if loops.Phi else Echelon((), (), ())
+    norms = _norms(mechanism, loops)
+    form = _echelon(loops, len(loops.A), norms, order)
+    holonomic = _echelon(loops, len(loops.Phi), norms, order)
     samples = manifold.samples
     rank = min(form.rank, max((sample.rank for sample in samples), default=form.rank))
     where = next((sample for sample in samples if sample.rank == rank), None)
     rows = form.rows
     if labels is not None:
         rows = _labelled(loops, labels, rank)
-    elif rank < form.rank and where is not None:
-        rows = tuple(where.independent_rows(rank))
+    elif where is not None and (rank < form.rank or where.rank_of(form.rows) < rank):
+        rows = tuple(where.independent_rows(rank, norms))
     mobility = Mobility(
         nq=len(names),
         rows=len(loops.A),
         nonholonomic=len(loops.A) - len(loops.Phi),
         rank=rank,
-        always=tuple(loops.labels[i] for i in form.redundant),
+        always=tuple(loops.labels[i] for i in form.redundant if i not in rows),
         closed=tuple(loops.labels[i] for i in form.rows if i not in rows),
         home_rank=samples[0].rank if samples else rank,
         sampled=len(samples),
     )
     chosen = _independent(mechanism, form, where, mobility.nv, wanted)
-    return Choice(rows, holonomic.rows, chosen, mobility)
+    closures = sorted({*holonomic.rows, *(i for i in rows if i < len(loops.Phi))})
+    return Choice(rows, tuple(closures), chosen, mobility)
+
+
+def _norms(mechanism: Mechanism, loops: Closures) -> list[int]:
+    """Places of the rows |e| = 1. They are kept before all others: loops fix rotations only where they hold."""
+    labels = {f"{joint.name} {row}" for joint in mechanism.joints for row in joint.own_rows}
+    return [i for i, label in enumerate(loops.labels) if label in labels]
+
+
+def _echelon(loops: Closures, count: int, norms: Sequence[int], order: Sequence[int]) -> Echelon:
+    """The echelon form of the first rows of A with the norms before the others; places in the order of A."""
+    if not count:
+        return Echelon((), (), ())
+    places = [*norms, *(i for i in range(count) if i not in norms)]
+    form = echelon([loops.A[i] for i in places], order)
+    rows, redundant = (tuple(sorted(places[i] for i in part)) for part in (form.rows, form.redundant))
+    return Echelon(rows, form.columns, redundant)
 
 
 def dependent(chosen: Sequence[str], would_do: Sequence[str]) -> SingularityError:

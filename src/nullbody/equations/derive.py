@@ -13,13 +13,11 @@ from typing import Any
 from nullbody.equations.choice import Choice, choose, dependent
 from nullbody.equations.closure import Closures, closures
 from nullbody.equations.equations import Equations, Routine
-from nullbody.equations.frame import frames
 from nullbody.equations.inertia import inertia
 from nullbody.equations.load import Loaded, loaded
 from nullbody.equations.manifold import Manifold
 from nullbody.equations.motion import MotionExpressions
 from nullbody.equations.reduction import acceleration, forward, gross, input_matrix, inverse, reduce, required_inputs
-from nullbody.equations.scalar import ParameterScalars
 from nullbody.equations.sizes import Sizes, sizes_at
 from nullbody.errors import InputError, SingularityError
 from nullbody.expr import Expr, Graph, directional, substitute
@@ -56,14 +54,10 @@ def derive(
         raise InputError(f"derive takes a Mechanism, such as nullbody.catalog.three_prs(), not {mechanism!r}")
     values = mechanism.values()
     graph = Graph()
-    scalars = ParameterScalars(graph, tuple(p.name for p in mechanism.parameters))
-    names = mechanism.coordinates
-    q = {name: graph.symbol(name) for name in names}
-    rates = {name: graph.symbol(f"{name}_dot") for name in names}
-    found = frames(mechanism, scalars, q)
-    motion = MotionExpressions(found, scalars, q, rates, graph.symbol("t"))
+    motion = MotionExpressions.of(mechanism, graph)
+    names, q = mechanism.coordinates, motion.q
     loops = closures(mechanism, motion)
-    loads = loaded(mechanism, inertia(mechanism, found, scalars, q, rates), motion)
+    loads = loaded(mechanism, inertia(mechanism, motion.frames, motion.scalar, q, motion.rates), motion)
     home = mechanism.home_values(values)
     manifold = Manifold(loops, (list(q.values()), motion.time), values, home)
     chart = choose(mechanism, loops, manifold, independent, rows)

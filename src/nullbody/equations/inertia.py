@@ -12,6 +12,9 @@ h is Coriolis, centrifugal and gravity together: M q'' + h + A^T lambda = Q. Two
 each entry is written in the cheaper one:
 
     J_i . (omega x V_C) = sum over j != i of q'_j omega . (J_j x J_i),      -m J_i . R^T g = dU/dq_i
+
+For Euler parameters the last holds only up to a multiple of e, which the multiplier of the norm takes up if all four
+entries have it: they keep the first form.
 """
 
 from __future__ import annotations
@@ -52,13 +55,14 @@ def inertia(
     h: dict[str, list[Any]] = {name: [] for name in names}
     potentials: list[Any] = []
     gravity = scalars.triple(mechanism.gravity)
+    euler = frozenset(name for name, unit in mechanism.units.items() if unit == "")
     for body in mechanism.bodies:
         frame = found[body.name]
         mass, centre = scalars(body.mass), scalars.triple(body.centre)
         columns = {name: (W, add(V, cross(W, centre))) for name, (W, V) in frame.columns.items()}
         potential = scalars(0) - mass * dot(gravity, frame.point(centre))
         potentials.append(potential)
-        moving = _MovingBody(body, mass, columns, frame, potential)
+        moving = _MovingBody(body, mass, columns, frame, potential, euler)
         _add_mass(M, moving, scalars)
         for name, force in _bias(moving, scalars, gravity, q, rates).items():
             h[name].append(force)
@@ -71,13 +75,14 @@ def inertia(
 
 @dataclass(frozen=True)
 class _MovingBody:
-    """A body with the columns (W_i, J_i) of its centre of mass and its potential energy."""
+    """A body with the columns (W_i, J_i) of its centre of mass, its potential energy, and all Euler parameters."""
 
     body: Body
     mass: Expr
     columns: Mapping[str, tuple[list[Any], list[Any]]]
     frame: Frame
     potential: Expr
+    euler: frozenset[str]
 
 
 def _add_mass(M: dict[tuple[str, str], list[Any]], moving: _MovingBody, scalars: ParameterScalars) -> None:
@@ -122,7 +127,8 @@ def _bias(
         coupled = [speed[j] * dot(omega, cross(J[j], J[i])) for j in range(len(names)) if j != i]
         energetic = moving.mass * (zero + dot(J[i], change) + total(coupled)) + turning
         energetic = energetic + derivative(moving.potential, q[name])
-        forces[name] = min(energetic, direct, key=lambda force: operations([force]).arithmetic)
+        choice = (direct,) if name in moving.euler else (energetic, direct)
+        forces[name] = min(choice, key=lambda force: operations([force]).arithmetic)
     return forces
 
 

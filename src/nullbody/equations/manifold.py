@@ -24,6 +24,7 @@ __all__ = ["Manifold", "Sample"]
 
 _RANK = 1e-8  # singular values below this part of the largest are zero: rows have unit length there
 _SHORT = 1e-3  # rows below this part of the longest are not scaled up to unit length
+_NOISE = 1e-13  # of a row [m/m, m/rad]: some thousand roundings of lengths of a metre
 _CLOSED = 1e-11  # |Phi| of a sample, for lengths of about 1
 _STEPS = 60
 _LONGEST = 0.5  # of a Gauss-Newton step [m, rad]
@@ -64,9 +65,13 @@ class Sample:
         left, sizes, right = np.linalg.svd(self.A)
         return np.asarray(left), np.asarray(sizes), np.asarray(right)
 
-    def independent_rows(self, rank: int) -> list[int]:
-        """That many rows, each the longest of what those before it leave of them."""
-        return sorted(_longest(self.A, rank, range(len(self.A))))
+    def rank_of(self, rows: Sequence[int]) -> int:
+        """The numeric rank of some of the rows; all may be independent off the manifold, and fewer on it."""
+        return int(np.linalg.matrix_rank(self.A[list(rows)], tol=_RANK)) if rows else 0
+
+    def independent_rows(self, rank: int, first: Sequence[int] = ()) -> list[int]:
+        """That many rows, the first ones and then each the longest of what those before it leave of them."""
+        return sorted([*first, *_longest(self.A, rank - len(first), range(len(self.A)), first)])
 
     def independent_columns(self, preferred: Sequence[int]) -> list[int]:
         """Columns v for which |B| is large: rows of Z, the longest first; preferred ones where they are not poor."""
@@ -165,8 +170,12 @@ class Manifold:
 
 
 def _unit_rows(A: FloatArray) -> FloatArray:
-    """Rows of unit length; short ones, which may be about to vanish in a singular configuration, stay short."""
+    """Rows of unit length; short ones, which may be about to vanish in a singular configuration, stay short.
+
+    What rounding leaves of a loop between bodies that cannot move against each other is no row at all.
+    """
     length = np.linalg.norm(A, axis=1)
+    A = np.where(length[:, None] > _NOISE, A, 0.0)
     scaled: FloatArray = A / np.maximum(length, max(_SHORT * float(length.max(initial=0.0)), 1e-300))[:, None]
     return scaled
 

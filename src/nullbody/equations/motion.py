@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from nullbody.equations.frame import Frame
+from nullbody.equations.frame import Frame, frames
 from nullbody.equations.scalar import ParameterScalars
-from nullbody.expr import Expr, sqrt
+from nullbody.expr import Expr, Graph, sqrt
 from nullbody.expr.matrix import add, cross, matmul, matvec, scale
-from nullbody.mechanism import Placement, Pose
+from nullbody.mechanism import Mechanism, Placement, Pose
 from nullbody.typing import Scalar, Triple
 
 __all__ = ["MotionExpressions"]
@@ -35,8 +35,16 @@ class MotionExpressions:
     ) -> None:
         self.scalar, self.triple = scalars, scalars.triple
         self.q, self.rates, self.time = q, rates, time
-        self._found, self._scalars = found, scalars
+        self.frames, self._scalars = found, scalars
         self._symbols = {**q, **{f"{name}_dot": rate for name, rate in rates.items()}, "t": time}
+
+    @classmethod
+    def of(cls, mechanism: Mechanism, graph: Graph) -> MotionExpressions:
+        """The motion of a mechanism, written in a graph."""
+        scalars = ParameterScalars(graph, tuple(p.name for p in mechanism.parameters))
+        q = {name: graph.symbol(name) for name in mechanism.coordinates}
+        rates = {name: graph.symbol(f"{name}_dot") for name in mechanism.coordinates}
+        return cls(frames(mechanism, scalars, q), scalars, q, rates, graph.symbol("t"))
 
     def expression(self, source: Scalar) -> Expr:
         """A text in parameters, coordinates, rates and t."""
@@ -52,19 +60,19 @@ class MotionExpressions:
 
     def frame(self, body: str, place: Placement) -> Pose:
         """R = R_body R_place, p = p_body + R_body p_place."""
-        frame = self._found[body]
+        frame = self.frames[body]
         rotation = matmul(frame.pose.rotation, self._scalars.rotation(place))
         return Pose(rotation, frame.point(self.triple(place.position)))
 
     def velocity(self, body: str, local: Sequence[Any]) -> list[Any]:
         """R (V + omega x local)"""
-        frame = self._found[body]
+        frame = self.frames[body]
         columns = [(name, add(V, cross(W, local))) for name, (W, V) in frame.columns.items()]
         return matvec(frame.pose.rotation, self._sum(columns))
 
     def spin(self, body: str) -> list[Any]:
         """R omega"""
-        frame = self._found[body]
+        frame = self.frames[body]
         return matvec(frame.pose.rotation, self._sum([(name, W) for name, (W, _) in frame.columns.items()]))
 
     def sqrt(self, value: Any) -> Any:

@@ -6,6 +6,9 @@ import re
 from typing import Any
 
 from nullbody.formats.document import Document, Source, document
+from nullbody.formats.mjcf_reader import read_mjcf_document
+from nullbody.formats.urdf_reader import read_urdf_document
+from nullbody.formats.yaml_reader import read_yaml_document
 from nullbody.mechanism import Mechanism
 
 __all__ = ["SUFFIXES", "read_model"]
@@ -31,17 +34,11 @@ def read_model(source: Source, **options: Any) -> Mechanism:
     given = document(source)
     kind = _kind(given)
     if kind == "YAML":
-        from nullbody.formats.yaml_reader import read_yaml_document
-
         if options:
             raise given.error(f"a YAML file takes no option {', '.join(options)}")
         return read_yaml_document(given)
     if kind == "URDF":
-        from nullbody.formats.urdf_reader import read_urdf_document
-
         return read_urdf_document(given, **options)
-    from nullbody.formats.mjcf_reader import read_mjcf_document
-
     return read_mjcf_document(given, **options)
 
 

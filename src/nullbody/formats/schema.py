@@ -218,7 +218,7 @@ def file_model() -> type[BaseModel]:
     actuator: Any = _entry("actuator")
     fields: dict[str, Any] = {
         "nullbody": (Literal[VERSION], Field(default=VERSION, description="version of this format")),
-        "name": (Annotated[str, Field(min_length=1)], Field(description="of the mechanism")),
+        "name": (Annotated[str, Field(min_length=1, max_length=200)], Field(description="of the mechanism")),
         "gravity": (Three, Field(default=[0, 0, 0], description=init["gravity"])),
         "own": (own, Field(default="quaternion", description=init["own"])),
         "normal": (Axis, Field(default="z", description=init["normal"])),

@@ -111,6 +111,9 @@ class _Reader:
 
     def _joint(self, joint: XmlElement) -> None:
         kind = joint.choice("type", _TYPES, "")
+        for dynamics in joint.all("dynamics") if kind in ("floating", "planar") else ():
+            if dynamics.number("damping") or dynamics.number("friction"):
+                dynamics.refuse(f"damping and friction of a {kind} joint have no meaning here: take them out")
         name = symbol(joint.required("name"))
         ends = (self._body(_only(joint, "parent")), self._body(_only(joint, "child")))
         at = placement(_origin(joint))

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from difflib import get_close_matches
 from functools import partial
+from inspect import signature
 from typing import Any
 
 from nullbody.errors import ExpressionError, InputError, ModelFileError, NullbodyError
 from nullbody.formats.document import Document, Source, document
 from nullbody.formats.yaml_tree import Node, yaml_tree
 from nullbody.mechanism import Mechanism, MechanismBuilder, Placement, Rotation
+from nullbody.mechanism.builder.record import Choice
 
 __all__ = ["checked_joints", "fill", "read_yaml", "read_yaml_document"]
 
@@ -127,13 +130,24 @@ def _explained(given: Document, root: Node, errors: list[Any]) -> NullbodyError:
     grammar = [e for e in errors if isinstance(e.get("ctx", {}).get("error"), ExpressionError)]
     deepest = max(len(error["loc"]) for error in errors)
     telling = [e for e in errors if len(e["loc"]) == deepest or e["type"] in _DEFINITE]
-    unknown = [e for e in telling if e["type"] == "extra_forbidden"]
-    first = (grammar or unknown or telling)[0]
+    first = (grammar or sorted(telling, key=lambda e: _URGENT.get(e["type"], len(_URGENT))))[0]
     node, found = root.at(first["loc"])
     place = ".".join(found)
     if grammar:
         return given.located(ExpressionError(str(first["ctx"]["error"])), place, node.line)  # type: ignore[return-value]
     return ModelFileError(_what(first), file=given.file, place=place, line=node.line)
+
+
+def _nearest(key: str, path: Sequence[object]) -> str:
+    """The key that was meant, or where they are listed."""
+    from nullbody.formats.schema import file_model
+
+    methods = [part for part in path if isinstance(part, str) and hasattr(MechanismBuilder, part)]
+    known = list(file_model().model_fields) if len(path) == 1 else ["position", "rotations", "degrees", "radians"]
+    if methods:
+        known += [*signature(getattr(MechanismBuilder, methods[-1])).parameters, *Choice.__annotations__]
+    near = get_close_matches(key, known, n=1)
+    return f"did you mean {near[0]!r}?" if near else "docs/model-file.md and schema.json say which there are"
 
 
 _WORDS = {
@@ -146,6 +160,7 @@ _WORDS = {
     "dict_type": "expected a mapping of keys to values",
     "model_type": "expected a mapping of keys to values",
 }
+_URGENT = {"degrees": 0, "extra_forbidden": 1}  # which of several errors tells most
 _QUOTED = re.compile(r"(?:(\w+) )?'([^']+)'")
 _KINDS = {"loop": "joints", "gear": "constraints", "rack": "constraints", "body": "bodies"}
 _DEFINITE = ("extra_forbidden", "missing", "union_tag_invalid", "union_tag_not_found")
@@ -161,13 +176,15 @@ def _what(error: Any) -> str:
         wanted = context.get("min_length", context.get("max_length"))
         return f"it has {context['actual_length']} entries where {wanted} belong: {shown}"
     if kind == "extra_forbidden":
-        return f"there is no key {key!r} here; see docs/model-file.md or schema.json for those that are"
+        return f"there is no key {key!r} here; {_nearest(key, error['loc'])}"
     if kind == "missing":
         return f"the key {key!r} is missing"
     if kind == "union_tag_invalid":
         if not context["tag"]:
             return f"the key 'type' is missing; choose one of {context['expected_tags']}"
-        return f"there is no type {context['tag']!r}; choose one of {context['expected_tags']}"
+        near = get_close_matches(context["tag"], context["expected_tags"].replace("'", "").split(", "), n=1)
+        hint = f"did you mean {near[0]!r}?" if near else f"choose one of {context['expected_tags']}"
+        return f"there is no type {context['tag']!r}; {hint}"
     if kind == "literal_error":
         return f"{shown} is not one of {context['expected']}"
     if kind == "string_pattern_mismatch":

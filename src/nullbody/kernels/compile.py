@@ -21,7 +21,7 @@ from nullbody.kernels.program import Program
 __all__ = ["Library", "compile_programs"]
 
 #: Part of every key of the cache; change it whenever the printed code or the calling convention changes.
-_FORMAT = 2
+_FORMAT = 3
 _OPTIMISATION = 2
 
 

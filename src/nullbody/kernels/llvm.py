@@ -23,6 +23,9 @@ _LEAVES = ("symbol", "const")
 #: Slots in one basic block. LLVM takes 0.1 to 0.2 ms for each up to there, and ever longer beyond.
 _PIECE = 1000
 
+#: Results in one basic block: LLVM looks at them in pairs, constants too. A matrix of 80 x 121 costs 1.6 s, not 23.
+_RESULTS = 300
+
 
 def function_name(program: Program, number: Number) -> str:
     """Name of the native function of a program for one state, or over blocks where the number is a vector."""
@@ -75,16 +78,18 @@ class _Printer:
             for slot in self._missing(ref >> 1):
                 self.values[slot] = self._operation(slot)
                 if len(self.values) % _PIECE == 0:
-                    self._cut(len(self.values))
+                    self._cut(f"slot{len(self.values)}")
             value = self._plain(ref)
             place = self._place("%out", k)
             self.ir.lines.append(f"  store {self.number.text} {value}, ptr {place}, align {self.number.bits // 8}")
+            if (k + 1) % _RESULTS == 0:
+                self._cut(f"result{k + 1}")
         end = "  br label %end\nend:\n  ret void\n}\n"
         return f"define {head}(ptr noalias %in, ptr noalias %out) {attributes} {{\n{self.ir}\n{end}"
 
-    def _cut(self, count: int) -> None:
+    def _cut(self, after: str) -> None:
         """Begin another basic block, by a branch that LLVM cannot leave out; it works on blocks one at a time."""
-        self.ir.lines.append(f"  br i1 %never, label %end, label %after{count}\nafter{count}:")
+        self.ir.lines.append(f"  br i1 %never, label %end, label %after.{after}\nafter.{after}:")
 
     def _loop(self, name: str) -> str:
         """Calls the body for the vectors of all blocks, one after the other."""

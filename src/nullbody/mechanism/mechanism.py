@@ -161,7 +161,9 @@ class Mechanism:
         """Least and largest value of each input for these parameter values; infinite where there is none."""
         whole = (float("-inf"), float("inf"))
         return tuple(
-            whole if a.limits is None else (float(parse(a.limits[0], values.__getitem__)), float(parse(a.limits[1], values.__getitem__)))
+            whole
+            if a.limits is None
+            else (float(parse(a.limits[0], values.__getitem__)), float(parse(a.limits[1], values.__getitem__)))
             for a in self.actuators
         )
 

@@ -24,7 +24,7 @@ def constraint_rows(motion: TaylorMotion) -> tuple[FloatArray, FloatArray]:
     Phi, slips = _residuals(motion)
     A = [x.first[:size] for x in Phi] + [x.first[size : 2 * size] for x in slips]
     c = [x.second[-1] for x in Phi] + [x.first[-1] for x in slips]
-    return np.array(A).reshape(-1, size), np.array(c)
+    return np.array(A).reshape(len(A), size), np.array(c)
 
 
 def _residuals(motion: TaylorMotion) -> tuple[list[Taylor], list[Taylor]]:

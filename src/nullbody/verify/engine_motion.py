@@ -22,7 +22,7 @@ from nullbody.typing import FloatArray
 from nullbody.verify.taylor import Moving
 from nullbody.verify.taylor_motion import BodyMotion
 
-__all__ = ["FrameMotion", "VelocityMap", "body_motion"]
+__all__ = ["FrameMotion", "VelocityMap", "body_motion", "point_motions"]
 
 
 class VelocityMap:
@@ -72,6 +72,23 @@ class FrameMotion(NamedTuple):
     J_rate: FloatArray
     W_rate: FloatArray
 
+    @staticmethod
+    def fixed(size: int) -> FrameMotion:
+        """The ground."""
+        none = np.zeros((3, size))
+        return FrameMotion(np.eye(3), np.zeros(3), none, none, none, none)
+
+
+def point_motions(frames: Sequence[FrameMotion], local: FloatArray, nu: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Jacobians J - [r x] W of points, r = R local, and their accelerations where nu' = 0; one frame for each point."""
+    R, _, J, W, J_rate, W_rate = (np.array(part) for part in zip(*frames, strict=True))
+    r = (R @ local[:, :, None])[:, :, 0]
+    omega = W @ nu
+    products = (omega * r).sum(1, keepdims=True), (omega * omega).sum(1, keepdims=True)
+    centripetal = omega * products[0] - r * products[1]
+    turning = _across((W_rate @ nu)[:, :, None], r)[:, :, 0]
+    return J + _across(W, r), J_rate @ nu + turning + centripetal
+
 
 def body_motion(frame: FrameMotion, E: FloatArray, E_rate: FloatArray, q_dot: FloatArray) -> BodyMotion:
     """The frame with derivatives along coordinates, rates (none) and the motion."""
@@ -89,7 +106,15 @@ def _directions(columns: FloatArray, q_dot: FloatArray) -> FloatArray:
     return np.concatenate([columns, np.zeros_like(columns), np.tensordot(q_dot, columns, 1)[None]])
 
 
+def _across(w: FloatArray, r: FloatArray) -> FloatArray:
+    """w x r of the columns of a stack of matrices w, with one r for each matrix."""
+    x, y, z = (r[:, k, None] for k in range(3))
+    return np.stack([w[:, 1] * z - w[:, 2] * y, w[:, 2] * x - w[:, 0] * z, w[:, 0] * y - w[:, 1] * x], 1)
+
+
 def _skew(w: FloatArray) -> FloatArray:
     """[w x], or one for each of a stack of vectors."""
-    x, y, z, none = w[..., 0], w[..., 1], w[..., 2], np.zeros_like(w[..., 0])
-    return np.stack([none, -z, y, z, none, -x, -y, x, none], -1).reshape(*w.shape[:-1], 3, 3)
+    found = np.zeros((*w.shape, 3))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        found[..., k, j], found[..., j, k] = w[..., i], -w[..., i]
+    return found

@@ -35,7 +35,7 @@ class MultiplierEngine(AbstractTermsEngine):
     version = ""
 
     def __init__(self, mechanism: Mechanism, values: Mapping[str, float], labels: tuple[str, ...]) -> None:
-        super().__init__(mechanism, labels)
+        super().__init__(mechanism, values, labels)
         self._mechanism, self._values = mechanism, dict(values)
         self._gravity = triple(mechanism.gravity, values)
         self._masses = {body.name: mass_properties(body, values) for body in mechanism.bodies}

@@ -64,13 +64,18 @@ class PinocchioEngine(AbstractTreeEngine):
     def forward_dynamics(
         self, q: FloatArray, q_dot: FloatArray, u: FloatArray, t: float = 0.0
     ) -> tuple[FloatArray, FloatArray]:
-        """q'' by constraintDynamics; lambda from its contact forces, turned into the ground frame."""
+        """q'' by constraintDynamics; lambda from its contact forces, turned into the ground frame.
+
+        Its iteration may not settle beside singular configurations: a dense solve is taken there.
+        """
         if self._contacts is None:
             return super().forward_dynamics(q, q_dot, u, t)
         pin, E, force = self._pin, self._map.matrix(q), self._S @ u
         settings = pin.ProximalSettings(_ACCURACY, _MU, _ITERATIONS)
         state = self._position(q), E @ q_dot, E @ force
         found = pin.constraintDynamics(self._model, self._data, *state, self._contacts, self._contact_data, settings)
+        if settings.iter >= _ITERATIONS:
+            return super().forward_dynamics(q, q_dot, u, t)
         q_ddot: FloatArray = E.T @ np.array(found)
         if self._redundant:
             M, h, A, _ = self.terms(q, q_dot)
@@ -91,12 +96,12 @@ class PinocchioEngine(AbstractTreeEngine):
         pin, size = self._pin, self._model.nv
         joint, place = self._holders[body]
         if joint == 0:
-            none = np.zeros((3, size))
-            return FrameMotion(place.rotation, place.position, none, none, none, none)
+            return FrameMotion.fixed(size)._replace(rotation=place.rotation, position=place.position)
         held = self._data.oMi[joint]
         rotation, p = held.rotation @ place.rotation, held.rotation @ place.position + held.translation
-        J = pin.getJointJacobian(self._model, self._data, joint, pin.WORLD)
-        J_rate = pin.getJointJacobianTimeVariation(self._model, self._data, joint, pin.WORLD)
+        asked = self._model, self._data, joint, pin.WORLD  # answers of a single column come as vectors
+        J = pin.getJointJacobian(*asked).reshape(6, size)
+        J_rate = pin.getJointJacobianTimeVariation(*asked).reshape(6, size)
         at_p = J[:3] - pin.skew(p) @ J[3:]
         rate = J_rate[:3] - pin.skew(p) @ J_rate[3:] - pin.skew(at_p @ nu) @ J[3:]
         return FrameMotion(rotation, p, at_p, J[3:], rate, J_rate[3:])

@@ -21,10 +21,11 @@ _EULER = 0.4  # likewise, of Euler parameters: half angles
 _LENGTH = 0.35  # of the typical length, likewise
 _SPEED = 1.0  # 1/s: rates of angles, and of lengths in typical lengths
 _SPREAD = 30.0  # largest entry of N in rad and typical lengths: farther from |B| = 0 both sides keep 14 digits
+_CONDITION = 1e4  # of A with rows of about length 1: beyond, it is about to lose rank, and lambda grows
 _SLACK = 10  # |Phi| of a sampled pose against CLOSED, for a typical length of 1 m
 _TRIES = 40  # for each state
-_TIMES = 1.0  # s, of states of mechanisms that the time drives; halved after every few failed tries
-_PATIENCE = 5
+_TIMES = 1.0  # s, of states of mechanisms that the time drives
+_PATIENCE = 5  # failed tries after which one looks at half the distance from the home, and bears twice the spread
 
 
 def admissible_states(model: Model, count: int, seed: int = 0) -> list[State]:
@@ -52,10 +53,11 @@ def admissible_states(model: Model, count: int, seed: int = 0) -> list[State]:
         for attempt in range(_TRIES):
             kind = _kind(index, attempt)
             rate = _SPEED * random.normal(size=len(rate_scale)) * rate_scale
-            moved = home + _displacement(model, kind, random) * scale
-            t = random.uniform(0, _TIMES * 0.5 ** (attempt // _PATIENCE)) if model.rheonomic and kind != "home" else 0.0
+            reach = 0.5 ** (attempt // _PATIENCE)
+            moved = home + reach * _displacement(model, kind, random) * scale
+            t = random.uniform(0, _TIMES * reach) if model.rheonomic and kind != "home" else 0.0
             state = _state(model, moved, rate, t)
-            if state is not None and _regular(model, state, scale, rate_scale):
+            if state is not None and _regular(model, state, home, (scale, rate_scale), _SPREAD / reach):
                 states.append(state)
                 break
         else:
@@ -106,20 +108,29 @@ def _displacement(model: Model, kind: str, random: np.random.Generator) -> Float
 
 
 def _state(model: Model, q: FloatArray, v: FloatArray, t: float) -> State | None:
-    """The nearest pose with closed loops, or nothing where Newton does not get there or an axis is reversed."""
+    """The nearest pose with closed loops, or nothing where Newton gets elsewhere or nowhere."""
     closed, residual = project(model, q, t)
     if residual > CLOSED * max(typical_length(model), 1.0) * _SLACK:
         return None
     try:
         model.check_facing(closed, t)
-    except StateError:
+        model.check_redundant(closed, t)
+    except (StateError, AssemblyError):
         return None
     return model.trusted_state(closed, v, t)
 
 
-def _regular(model: Model, state: State, scale: FloatArray, rate_scale: FloatArray) -> bool:
+def _regular(
+    model: Model, state: State, home: FloatArray, scales: tuple[FloatArray, FloatArray], spread: float
+) -> bool:
+    """Whether N stays below a bound and A keeps its rank, in radians and typical lengths."""
+    scale, rate_scale = scales
     try:
         N = model.null_space(state).N
     except SingularityError:
         return False
-    return float(np.abs(N * rate_scale / scale[:, None]).max(initial=0.0)) <= _SPREAD
+    if float(np.abs(N * rate_scale / scale[:, None]).max(initial=0.0)) > spread:
+        return False
+    A, at_home = model.rows(state.q, state.t)[0] * scale, model.rows(home, 0.0)[0] * scale
+    length = np.maximum(np.linalg.norm(A, axis=1), np.linalg.norm(at_home, axis=1))
+    return bool(length.all()) and (not len(A) or float(np.linalg.cond(A / length[:, None])) < _CONDITION)

@@ -16,9 +16,9 @@ from nullbody.mechanism import GROUND, Mechanism
 from nullbody.typing import FloatArray
 from nullbody.verify.constraint_rows import constraint_rows, load_terms
 from nullbody.verify.engine import Terms, only_points
-from nullbody.verify.engine_motion import FrameMotion, VelocityMap, body_motion
+from nullbody.verify.engine_motion import FrameMotion, VelocityMap, body_motion, point_motions
 from nullbody.verify.kkt import AbstractTermsEngine
-from nullbody.verify.taylor_motion import BodyMotion, TaylorMotion, Variables
+from nullbody.verify.taylor_motion import TaylorMotion, Variables
 
 __all__ = ["AbstractTreeEngine"]
 
@@ -29,12 +29,15 @@ class AbstractTreeEngine(AbstractTermsEngine):
     _map: VelocityMap
 
     def __init__(self, mechanism: Mechanism, values: Mapping[str, float], labels: tuple[str, ...]) -> None:
-        super().__init__(mechanism, labels)
+        super().__init__(mechanism, values, labels)
         self._mechanism, self._values = mechanism, dict(values)
         self._only_points = only_points(mechanism)
-        loaded = {body for loop in mechanism.loops for body in (loop.parent, loop.child)}
-        bodies = sorted(loaded - {GROUND}) if self._only_points else [body.name for body in mechanism.bodies]
-        self._asked = tuple(bodies)
+        self._sides = [body for loop in mechanism.loops for body in (loop.parent, loop.child)]
+        asked = self._sides if self._only_points else [body.name for body in mechanism.bodies]
+        self._asked = sorted(set(asked) - {GROUND})
+        self._local = np.zeros((0, 3))
+        if self._only_points and mechanism.loops:
+            self._local = np.vstack([loop_points(loop, values) for loop in mechanism.loops])
 
     @abstractmethod
     def _tree_terms(self, q: FloatArray, nu: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -50,20 +53,20 @@ class AbstractTreeEngine(AbstractTermsEngine):
         nu = E @ q_dot
         M, h = self._tree_terms(q, nu)
         M, h = E.T @ M @ E, E.T @ h
-        bodies = {body: body_motion(self._frame(body, nu), E, E_rate, q_dot) for body in self._asked}
+        frames = {body: self._frame(body, nu) for body in self._asked}
         if self._only_points:
-            return M, h, *self._point_rows(bodies, len(q))
+            A, c = self._point_rows(frames, nu)
+            return M, h, A @ E, c
+        bodies = {body: body_motion(found, E, E_rate, q_dot) for body, found in frames.items()}
         variables = Variables.at(self._mechanism.coordinates, q, q_dot, t)
         motion = TaylorMotion(self._mechanism, self._values, variables, bodies)
         added_M, added_h = load_terms(motion)
         return M + added_M, h + added_h, *constraint_rows(motion)
 
-    def _point_rows(self, bodies: Mapping[str, BodyMotion], size: int) -> tuple[FloatArray, FloatArray]:
+    def _point_rows(self, frames: Mapping[str, FrameMotion], nu: FloatArray) -> tuple[FloatArray, FloatArray]:
         """A = J_a - J_b and c = p_a'' - p_b'' of points that are held together: `Spherical` for all loops at once."""
-        A, c = [np.zeros((0, size))], [np.zeros(0)]
-        for loop in self._mechanism.loops:
-            sides = zip((1, -1), (loop.parent, loop.child), loop_points(loop, self._values), strict=True)
-            points = [(sign, bodies[body].frame(np.eye(3), at).position) for sign, body, at in sides if body != GROUND]
-            A.append(sum((sign * point.first[:size].T for sign, point in points), np.zeros((3, size))))
-            c.append(sum((sign * point.second[-1] for sign, point in points), np.zeros(3)))
-        return np.vstack(A), np.concatenate(c)
+        if not self._sides:
+            return np.zeros((0, len(nu))), np.zeros(0)
+        held = {GROUND: FrameMotion.fixed(len(nu)), **frames}
+        J, bias = point_motions([held[body] for body in self._sides], self._local, nu)
+        return (J[::2] - J[1::2]).reshape(-1, len(nu)), (bias[::2] - bias[1::2]).ravel()

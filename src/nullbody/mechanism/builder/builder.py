@@ -15,7 +15,7 @@ from nullbody.mechanism.builder.constraints import AbstractConstraintMethods
 from nullbody.mechanism.builder.joints import AbstractJointMethods, default_names
 from nullbody.mechanism.builder.loads import AbstractLoadMethods
 from nullbody.mechanism.builder.record import ORIGIN, Told
-from nullbody.mechanism.builder.spanning_tree import Branch, Edge, spanning_tree, unreached
+from nullbody.mechanism.builder.spanning_tree import Branch, Edge, bases, spanning_tree, unreached
 from nullbody.mechanism.builder.text import scalar, triple
 from nullbody.mechanism.builder.turning import keeps_meaning, turned, turned_home
 from nullbody.mechanism.constraints import KnifeEdge, RollingDisc
@@ -41,6 +41,11 @@ class MechanismBuilder(AbstractBodyMethods, AbstractJointMethods, AbstractConstr
     fewest coordinates, and of equal ones by the nearest; joints whose coordinates are driven, actuated, coupled or
     braked are preferred, and `tree=True`, `loop=True` decide. The other joints close loops. A body that only rods,
     points and other loop joints hold gets coordinates of its own.
+
+    Every joint takes `at`, its frame on the parent, and `on`, its frame on the child: points [m], or Placements where
+    the frame is turned. The two coincide where all coordinates are zero. `axis` is one of "x", "-x", ... of that frame
+    or any three numbers. `names` are those of its coordinates; `coordinates="body"` gives the child coordinates against
+    the ground, and the joint closes a loop.
 
     Args:
         name: of the mechanism.
@@ -96,6 +101,8 @@ class MechanismBuilder(AbstractBodyMethods, AbstractJointMethods, AbstractConstr
             ParameterError: masses, inertias, lengths that are not physical for the defaults of the parameters.
         """
         self._alive()
+        if not self._bodies:
+            raise MechanismError(f"{self._name!r} has no bodies: add one, such as body('arm', mass=1)")
         self._check_ends()
         branches = self._branches()
         tree = self._tree_joints(branches)
@@ -142,7 +149,7 @@ class MechanismBuilder(AbstractBodyMethods, AbstractJointMethods, AbstractConstr
             if not rest:
                 return branches
             self._check_connected(rest)
-            edges.append(_own_edge(rest[0]))
+            edges += [_own_edge(body) for body in bases(rest, edges)]
 
     def _edge(self, told: Told, wanted: set[str]) -> Edge:
         joint = told.joint

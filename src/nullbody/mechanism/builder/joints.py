@@ -50,7 +50,8 @@ class AbstractJointMethods(AbstractRecord, ABC):
 
     All take `at`, the joint's frame on the parent, and `on`, its frame on the child: points, or Placements where the
     frame is turned. The two frames coincide where all coordinates are zero. Where a joint ends in the spanning tree
-    the other way round, coordinates keep their meaning. Beside the geometry, each joint takes:
+    the other way round, coordinates keep their meaning; those of balls and planar joints are then of the parent in the
+    child. Beside the geometry, each joint takes:
 
     names: of its coordinates; by default those that its own description gives.
     coordinates: "relative", or "body": the child gets coordinates of its own and the joint closes a loop.

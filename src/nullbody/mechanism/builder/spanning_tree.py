@@ -9,7 +9,7 @@ from typing import Literal
 from nullbody.errors import MechanismError
 from nullbody.mechanism.body import GROUND
 
-__all__ = ["Branch", "Edge", "spanning_tree", "unreached"]
+__all__ = ["Branch", "Edge", "bases", "spanning_tree", "unreached"]
 
 
 @dataclass(frozen=True)
@@ -74,6 +74,31 @@ def unreached(bodies: Sequence[str], branches: Iterable[Branch]) -> list[str]:
     """Bodies that the tree does not reach, in their own order."""
     reached = {body for branch in branches for body in (branch.edge.parent, branch.edge.child)}
     return [body for body in bodies if body not in reached]
+
+
+def bases(rest: Sequence[str], edges: Sequence[Edge]) -> list[str]:
+    """Of bodies that the tree does not reach, the first of each group that joints of trees hold together; not one that
+    hangs by a joint that cannot be turned round.
+    """
+    neighbours: dict[str, list[str]] = {body: [] for body in rest}
+    for edge in edges:
+        if edge.role != "loop" and edge.parent in neighbours and edge.child in neighbours:
+            neighbours[edge.parent].append(edge.child)
+            neighbours[edge.child].append(edge.parent)
+    hung = {edge.child for edge in edges if edge.one_way}
+    found, seen = [], set[str]()
+    for body in rest:
+        group, waiting = [], [body]
+        while waiting:
+            inner = waiting.pop()
+            if inner not in seen:
+                seen.add(inner)
+                group.append(inner)
+                waiting += neighbours[inner]
+        if group:
+            first = [member for member in rest if member in group and member not in hung] or group
+            found.append(first[0])
+    return found
 
 
 def _leads_out(edge: Edge, level: dict[str, int]) -> bool:

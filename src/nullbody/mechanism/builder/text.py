@@ -39,7 +39,7 @@ def scalar(value: object, place: str) -> Scalar:
     """
     if isinstance(value, str):
         text = value
-    elif type(value).__module__.partition(".")[0] in _SYMBOLIC:
+    elif any(str(kind.__module__).partition(".")[0] in _SYMBOLIC for kind in type(value).__mro__):
         text = _symbolic(value, place)
     else:
         return _number(value, place)
@@ -128,7 +128,7 @@ class _Writer:
             return self._rational(node)
         if getattr(node, "is_Float", False):
             return self._float(node)
-        if str(node) == "pi":
+        if kind == "Pi":
             return "pi", _ATOM
         if kind == "Add":
             return self._sum(node.args)
@@ -195,21 +195,12 @@ class _Writer:
     def _in_time(self, node: Any) -> str:
         """f(t) is the coordinate f, Derivative(f(t), t) its rate."""
         kind, parts = type(node).__name__, [str(part) for part in node.args]
-        inner = node.args[0] if node.args else None
-        if kind == "Derivative" and [str(part) for part in inner.args] == ["t"]:  # type: ignore[union-attr]
+        if kind == "Derivative" and _undefined(node.args[0]):
             if parts[1:] in (["t"], ["(t, 1)"]):
-                return f"{self._in_time(inner)}_dot"
+                return f"{self._in_time(node.args[0])}_dot"
             raise self._outside(f"{node}: of derivatives there are only first ones by t, as rates")
-        name = str(node).partition("(")[0]
-        if (
-            parts == ["t"]
-            and str(node) == f"{name}(t)"
-            and getattr(node, "is_Function", False)
-            and kind != "Derivative"
-        ):
-            from_library = type(node).__module__.startswith("sympy.functions")
-            if not from_library and name not in ("exp", "log", "abs"):
-                return name
+        if _undefined(node) and parts == ["t"]:
+            return str(node).partition("(")[0]
         raise self._outside(f"{kind} in {str(node)[:60]}")
 
     def _closed(self, made: _Text, least: int) -> str:
@@ -230,3 +221,8 @@ def _twice(exponent: Any) -> int | None:
     except (ValueError, ZeroDivisionError):
         return None
     return doubled.numerator if doubled.denominator == 1 and doubled else None
+
+
+def _undefined(node: Any) -> bool:
+    """Whether it is a function without a meaning, such as q(t)."""
+    return any(kind.__name__ in ("AppliedUndef", "FunctionSymbol") for kind in type(node).__mro__)
