@@ -49,7 +49,8 @@ REGULAR_LOSS = 1e-10 / EPS
 #: |N|^2 above which a large loss is put down to the independent coordinates, below it to masses or angles.
 LARGE_SPREAD = 1e5
 
-#: A simulation that may not change its independent coordinates stops at |N| = 1e5 at the latest: velocities grow as |N| there, and steps would shrink to nothing.
+#: A simulation that may not change its independent coordinates stops at |N| = 1e5 at the latest: velocities grow as |N|
+#: there, and steps would shrink to nothing.
 SIMULATED_SPREAD = 1e10
 
 #: |B| is at rounding level where a block's determinant is 1e-14 of the product of its column lengths; the kernels

@@ -1,8 +1,8 @@
 """The constraints and what follows from them by differentiation (theory 2, [26]).
 
-    Phi(q, t) = 0                    loops, couplings, drivers, Euler parameters: holonomic
-    r = A q' + b = 0                 A = dPhi/dq, b = dPhi/dt; rows of rolling contacts are r(q, q', t) themselves
-    A q'' + c = 0                    c = dr/dt with q'' = 0
+Phi(q, t) = 0                    loops, couplings, drivers, Euler parameters: holonomic
+r = A q' + b = 0                 A = dPhi/dq, b = dPhi/dt; rows of rolling contacts are r(q, q', t) themselves
+A q'' + c = 0                    c = dr/dt with q'' = 0
 """
 
 from __future__ import annotations
@@ -85,9 +85,12 @@ def _holonomic(mechanism: Mechanism, motion: MotionExpressions) -> tuple[list[Ex
 
 
 def _check_linear(mechanism: Mechanism, slip_A: Sequence[Sequence[Expr]], rates: Sequence[Expr]) -> None:
+    mask = 0
+    for rate in rates:
+        mask |= rate.graph.depends[rate.ref >> 1]
     for (label, _), row in zip(mechanism.nonholonomic_rows, slip_A, strict=True):
-        if any(entry.graph.depends[entry.ref >> 1] & rate.graph.depends[rate.ref >> 1] for entry in row for rate in rates):
+        if any(entry.graph.depends[entry.ref >> 1] & mask for entry in row):
             raise MechanismError(
-                f"the constraint {label!r} is not linear in the rates: only equations a(q, t) . q' + b(q, t) = 0 can be "
-                "fulfilled by forces that do no work"
+                f"the constraint {label!r} is not linear in the rates: only equations a(q, t) . q' + b(q, t) = 0 can "
+                "be fulfilled by forces that do no work"
             )

@@ -1,8 +1,8 @@
 """Loads as generalized forces (theory 3).
 
-    h_j += dU/dq_j - sum_k effort_k dflow_k/dq'_j                springs; dampers, friction, wrenches
-    M_ij += d^2T/dq'_i dq'_j,   h_i += (d/dt dT/dq'_i)|q''=0 - dT/dq_i        kinetic energies of your own
-    power = sum_k effort_k flow_k                                of all that has no potential [W]
+h_j += dU/dq_j - sum_k effort_k dflow_k/dq'_j                springs; dampers, friction, wrenches
+M_ij += d^2T/dq'_i dq'_j,   h_i += (d/dt dT/dq'_i)|q''=0 - dT/dq_i        kinetic energies of your own
+power = sum_k effort_k flow_k                                of all that has no potential [W]
 """
 
 from __future__ import annotations

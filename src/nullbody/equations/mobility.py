@@ -55,7 +55,7 @@ class Mobility:
         if self.closed:
             lines.append(f"  repeats other equations wherever the loops are closed: {', '.join(self.closed)}")
         if self.sampled and self.home_rank < self.rank:
-            lines.append(f"  the home is a singular configuration: only {self.home_rank} equations are independent there")
+            lines.append(f"  the home is a singular configuration: only {self.home_rank} are independent there")
         if not self.sampled:
             lines.append("  no closed configuration was found near the home: the rank is that of a generic one")
         return "\n".join(lines)

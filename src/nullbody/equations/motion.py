@@ -10,7 +10,7 @@ from nullbody.equations.scalar import ParameterScalars
 from nullbody.expr import Expr, Graph, sqrt
 from nullbody.expr.matrix import add, cross, matmul, matvec, scale
 from nullbody.mechanism import Mechanism, Placement, Pose
-from nullbody.typing import Scalar, Triple
+from nullbody.typing import Scalar
 
 __all__ = ["MotionExpressions"]
 

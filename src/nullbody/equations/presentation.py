@@ -61,7 +61,8 @@ def summary(equations: Equations) -> str:
     lines.append(
         "  outputs are in q, q', u and the parameters; with q' = N v put in they depend on (q, v), as the routines do"
     )
-    for part in (*mechanism.loops, *mechanism.constraints):
+    parts: tuple[AbstractLoopJoint | AbstractConstraint, ...] = (*mechanism.loops, *mechanism.constraints)
+    for part in parts:
         kept, dropped = _directions(equations.labels, part.name), _directions(equations.redundant, part.name)
         note = f"; {' '.join(dropped)} repeats other equations" if dropped else ""
         lines.append(f"  {_described(part)} ({' '.join(kept) or 'no equation'}{note})")

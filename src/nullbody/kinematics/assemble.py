@@ -10,6 +10,7 @@ import numpy as np
 from nullbody.errors import AssemblyError, InputError, UnknownName
 from nullbody.kinematics.newton import Closed, close_loops, closed_to
 from nullbody.model import Model, State, checked_model, vector
+from nullbody.model.check import check_redundant
 from nullbody.typing import FloatArray, IndexArray
 
 __all__ = ["assemble", "known_coordinates", "start_coordinates"]
@@ -65,7 +66,7 @@ def assemble(
             raise _branch_ends(known, reach, path)
     if not closed.converged:
         raise _unreachable(model, known, closed, reach, path)
-    model.check_redundant(closed.q, t)
+    check_redundant(model, closed.q, t)
     return model.trusted_state(closed.q, rate, t)
 
 

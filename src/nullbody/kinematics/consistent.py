@@ -10,6 +10,7 @@ from nullbody.errors import AssemblyError
 from nullbody.kinematics.chart import regular_chart
 from nullbody.kinematics.newton import close_loops
 from nullbody.model import Model, State, checked_model, vector
+from nullbody.model.check import check_facing, check_redundant
 from nullbody.typing import FloatArray
 
 __all__ = ["ConsistentState", "consistent"]
@@ -73,8 +74,8 @@ def consistent(model: Model, q: object, q_dot: object = None, *, t: float = 0.0)
             "steps. Start nearer, or use nullbody.assemble with some coordinates given",
             gap=closed.residual,
         )
-    model.check_redundant(closed.q, t)
-    model.check_facing(closed.q, t)
+    check_redundant(model, closed.q, t)
+    check_facing(model, closed.q, t)
     A, b = model.rows(closed.q, t)
     slip = A @ rates + b
     nearest = rates - np.linalg.pinv(A, rcond=_RANK) @ slip if len(A) else rates

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 from nullbody.errors import ExpressionError, MechanismError, ParameterError, UnknownName
 from nullbody.expr.parse import parse
 from nullbody.mechanism.body import AXES, GROUND, Body, Placement
+from nullbody.mechanism.constraints.base import AbstractConstraint
 from nullbody.mechanism.joints.base import AbstractJoint, AbstractLoopJoint, AbstractTreeJoint
+from nullbody.mechanism.loads.base import AbstractLoad
 from nullbody.mechanism.parameter import check_expression
 from nullbody.typing import Scalar
 
@@ -49,7 +51,8 @@ def check_values(mechanism: Mechanism, values: Mapping[str, float]) -> None:
             _number(scalar, values, place)
     for body in mechanism.bodies:
         _check_physical(body, values)
-    for part in (*mechanism.loops, *mechanism.constraints, *mechanism.loads):
+    parts: tuple[AbstractLoopJoint | AbstractConstraint | AbstractLoad, ...] = (*mechanism.loops, *_others(mechanism))
+    for part in parts:
         for what, scalar, sign in part.signs:
             number = _number(scalar, values, f"{part.name!r}")
             if number < 0 or (sign == "positive" and number == 0):
@@ -57,6 +60,16 @@ def check_values(mechanism: Mechanism, values: Mapping[str, float]) -> None:
     for actuator, (low, high) in zip(mechanism.actuators, mechanism.limits(values), strict=True):
         if low > high:
             raise ParameterError(f"the limits of actuator {actuator.name!r} are in the wrong order: {low:g} > {high:g}")
+
+
+def _others(mechanism: Mechanism) -> tuple[AbstractConstraint | AbstractLoad, ...]:
+    """Constraints and loads."""
+    return (*mechanism.constraints, *mechanism.loads)
+
+
+def _named(mechanism: Mechanism) -> tuple[AbstractJoint | AbstractConstraint, ...]:
+    """Joints, loops and constraints, which share their names."""
+    return (*mechanism.joints, *mechanism.loops, *mechanism.constraints)
 
 
 def _check_roles(mechanism: Mechanism) -> None:
@@ -78,7 +91,7 @@ def _check_roles(mechanism: Mechanism) -> None:
 
 
 def _check_names(mechanism: Mechanism) -> None:
-    parts = (*mechanism.joints, *mechanism.loops, *mechanism.constraints)
+    parts = _named(mechanism)
     symbols = [*mechanism.coordinates, *(p.name for p in mechanism.parameters), *mechanism.inputs]
     kinds: dict[str, list[str]] = {
         "body": [body.name for body in mechanism.bodies],
@@ -107,7 +120,7 @@ def _check_references(mechanism: Mechanism) -> None:
         for joint in (*mechanism.joints, *mechanism.loops)
         for side in (joint.parent, joint.child)
     ]
-    named += [(repr(p.name), body) for p in (*mechanism.constraints, *mechanism.loads) for body in p.bodies]
+    named += [(repr(p.name), body) for p in _others(mechanism) for body in p.bodies]
     if mechanism.end_effector is not None:
         named.append(("end effector", mechanism.end_effector))
     for place, body in named:
@@ -115,7 +128,7 @@ def _check_references(mechanism: Mechanism) -> None:
             raise UnknownName("body", body, known, place)
     uses = [(f"actuator {actuator.name!r}", actuator.coordinate) for actuator in mechanism.actuators]
     uses += [("home", name) for name in mechanism.home]
-    uses += [(repr(p.name), name) for p in (*mechanism.constraints, *mechanism.loads) for name in p.coordinates]
+    uses += [(repr(p.name), name) for p in _others(mechanism) for name in p.coordinates]
     for place, name in uses:
         if name not in mechanism.coordinates:
             raise UnknownName("coordinate", name, mechanism.coordinates, place)
@@ -143,7 +156,7 @@ def _check_expressions(mechanism: Mechanism) -> None:
         for scalar in scalars:
             check_expression(scalar, known, place)
     moving = known | {"t"} | set(mechanism.coordinates) | {f"{name}_dot" for name in mechanism.coordinates}
-    for part in (*mechanism.constraints, *mechanism.loads):
+    for part in _others(mechanism):
         for text in part.expressions:
             check_expression(text, moving, repr(part.name))
 
@@ -158,7 +171,8 @@ def _scalars(mechanism: Mechanism) -> Iterator[tuple[str, list[Any]]]:
         yield f"the limits of actuator {actuator.name!r}", list(actuator.limits or ())
     for body in mechanism.bodies:
         place = f"body {body.name!r}"
-        if not isinstance(body.inertia, list | tuple) or len(body.inertia) not in (3, 6):
+        inertia: object = body.inertia
+        if not isinstance(inertia, list | tuple) or len(inertia) not in (3, 6):
             raise MechanismError(f"{place} needs 3 or 6 inertia entries, not {body.inertia!r}")
         yield place, [body.mass, *_three(body.centre, place), *body.inertia]
     joints: tuple[AbstractJoint, ...] = (*mechanism.joints, *mechanism.loops)
@@ -171,7 +185,7 @@ def _scalars(mechanism: Mechanism) -> Iterator[tuple[str, list[Any]]]:
         yield from _placed(joint.at, place)
         yield from _placed(joint.on, place)
         yield place, [getattr(joint, "length", 1)]
-    for part in (*mechanism.constraints, *mechanism.loads):
+    for part in _others(mechanism):
         _check_axis(getattr(part, "axis", "x"), repr(part.name))
         yield repr(part.name), list(part.scalars)
         for placement in part.placements:

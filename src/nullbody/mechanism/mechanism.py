@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from nullbody.errors import MechanismError, UnknownName
+from nullbody.errors import MechanismError
 from nullbody.expr.parse import names_in, parse
 from nullbody.mechanism.body import GROUND, Body
 from nullbody.mechanism.check import check_mechanism, check_values
@@ -93,7 +93,7 @@ class Mechanism:
     @property
     def rheonomic(self) -> bool:
         """Whether the time itself enters: by a driver, a load or an equation of your own."""
-        parts = (*self.constraints, *self.loads)
+        parts: tuple[AbstractConstraint | AbstractLoad, ...] = (*self.constraints, *self.loads)
         return any("t" in names_in(text) for part in parts for text in part.expressions)
 
     @property
@@ -124,7 +124,8 @@ class Mechanism:
             )
         for loop in self.loops:
             lines.append(f"  {loop.name}: {type(loop).__name__.lower()} loop joint, {loop.parent} - {loop.child}")
-        for part in (*self.constraints, *self.loads):
+        parts: tuple[AbstractConstraint | AbstractLoad, ...] = (*self.constraints, *self.loads)
+        for part in parts:
             lines.append(f"  {part.name}: {type(part).__name__.lower()}")
         acting = ", ".join(f"{actuator.name} on {actuator.coordinate}" for actuator in self.actuators)
         lines.append(f"  inputs: {acting or 'none'}")

@@ -6,4 +6,15 @@ from nullbody.model.linear import rate_jacobian
 from nullbody.model.model import Energy, Model, NullSpaceValues, checked_model
 from nullbody.model.state import State, vector
 
-__all__ = ["Actuation", "Energy", "Model", "NullSpaceValues", "State", "build", "checked_model", "programs", "rate_jacobian", "vector"]
+__all__ = [
+    "Actuation",
+    "Energy",
+    "Model",
+    "NullSpaceValues",
+    "State",
+    "build",
+    "checked_model",
+    "programs",
+    "rate_jacobian",
+    "vector",
+]

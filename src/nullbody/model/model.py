@@ -11,12 +11,12 @@ from typing import NamedTuple
 import numpy as np
 
 from nullbody.equations import Mobility
-from nullbody.errors import AssemblyError, InputError, SingularityError, StateError
+from nullbody.errors import InputError, SingularityError
 from nullbody.kernels import Library
 from nullbody.mechanism import Mechanism
 from nullbody.model.actuation import Actuation, solved
+from nullbody.model.check import check_closed, check_dynamic, check_regular
 from nullbody.model.state import State, vector
-from nullbody.tolerances import GIVEN_CLOSED, LARGE_SPREAD, REGULAR_DOUBT, REGULAR_LOSS, REGULAR_SPREAD
 from nullbody.typing import FloatArray
 
 __all__ = ["Energy", "Model", "NullSpaceValues", "checked_model"]
@@ -185,7 +185,7 @@ class Model:
         """
         position = vector(q, self.coordinates, "coordinate")
         rate = np.zeros(len(self.independent)) if v is None else vector(v, self.independent, "independent rate")
-        self._check_closed(position, t)
+        check_closed(self, position, t)
         return self.trusted_state(position, rate, t)
 
     def trusted_state(self, q: FloatArray, v: FloatArray, t: float = 0.0) -> State:
@@ -280,9 +280,9 @@ class Model:
         wanted = vector(v_dot, self.independent, "independent acceleration")
         if len(self.inputs) < len(self.independent):
             raise InputError(
-                f"{self.mechanism.name!r} has {len(self.inputs)} inputs for {len(self.independent)} degrees of freedom: "
-                "not every motion can be driven. `actuation` gives the inputs that come nearest and the forces that "
-                "are missing, `generalized_forces` gives N^T Q"
+                f"{self.mechanism.name!r} has {len(self.inputs)} inputs for {len(self.independent)} degrees of "
+                "freedom: not every motion can be driven. `actuation` gives the inputs that come nearest and the "
+                "forces that are missing, `generalized_forces` gives N^T Q"
             )
         state = self.own(state)
         Qr, u, Br = self._inverse(state, wanted)
@@ -361,98 +361,31 @@ class Model:
         if state.coordinates != self.coordinates:
             raise InputError(f"the state is one of another mechanism than {self.mechanism.name!r}")
         if state.parameters is not self.values and state.parameters != self.values:
-            self._check_closed(state.q, state.t)
+            check_closed(self, state.q, state.t)
         if state.independent != self.independent:
             q_dot = self.in_chart(state.independent).velocity(state)
             return self.trusted_state(state.q.copy(), q_dot[self.independent_columns], state.t)
         return state
 
-    def _check_closed(self, q: FloatArray, t: float) -> None:
-        residual = self.residual(q, t)
-        if not np.abs(residual).max(initial=0.0) <= GIVEN_CLOSED:
-            worst = int(np.abs(residual).argmax())
-            loop, _, row = self.closure_labels[worst].rpartition(" ")
-            units = dict(self.mechanism.holonomic_rows)
-            raise StateError(
-                f"loop {loop!r} is open by {abs(residual[worst]):.3g} {units[self.closure_labels[worst]]} along "
-                f"{row}: the state is not on the constraint manifold of these parameters. "
-                "nullbody.assemble(model, {...}) closes the loops for given coordinates, nullbody.consistent the "
-                "state as it is"
-            )
-        self.check_redundant(q, t)
-        self.check_facing(q, t)
-
-    def check_facing(self, q: FloatArray, t: float = 0.0) -> None:
-        """Raise where a loop is closed the wrong way round.
-
-        Raises:
-            StateError: the axes of a loop joint point against each other.
-        """
-        cosines = self.evaluate("facing", q, t=t)[0]
-        if len(cosines) and not cosines.min() > 0:
-            loop = self.facing[int(cosines.argmin())]
-            raise StateError(
-                f"loop {loop!r} is closed the wrong way round: an axis of its joint points against the other "
-                f"(cosine {cosines.min():.3g}). Start from a guess nearer to the wanted assembly"
-            )
-
-    def check_redundant(self, q: FloatArray, t: float = 0.0) -> None:
-        """Raise where an equation that `derive` left out as a repetition is not fulfilled: no motion can mend that.
-
-        Raises:
-            AssemblyError: it is open by more than a nanometre for these parameter values.
-        """
-        dropped = self.evaluate("redundant", q, t=t)[0]
-        if not np.abs(dropped).max(initial=0.0) <= GIVEN_CLOSED:
-            raise AssemblyError(
-                f"the loops of {self.mechanism.name!r} can never close for these parameters: an equation that no "
-                f"coordinate changes independently is open by {np.abs(dropped).max():.3g} m. Check the lengths"
-            )
-
     def _kinematics(self, state: State) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """(N, gamma, q', delta), checked."""
         state = self.own(state)
         N, gamma, q_dot, delta, spread, doubt = self.evaluate("kinematics", state.q, state.v, t=state.t)
-        self._check_regular(delta, spread, doubt)
+        check_regular(self.independent, delta, spread, doubt)
         return N, gamma, q_dot, delta
 
     def _forward(self, state: State, inputs: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(q'', q') for given inputs, checked."""
         state = self.own(state)
         q_ddot, q_dot, *measures, _ = self.evaluate("forward_dynamics", state.q, state.v, inputs, t=state.t)
-        self._check_dynamic(q_ddot, *measures)
+        check_dynamic(self.independent, q_ddot, *measures)
         return q_ddot, q_dot
 
     def _inverse(self, state: State, v_dot: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """(Qr, u, Br), checked."""
         Qr, u, Br, *measures = self.evaluate("inverse_dynamics", state.q, state.v, v_dot, t=state.t)
-        self._check_dynamic(Qr, *measures)
+        check_dynamic(self.independent, Qr, *measures)
         return Qr, u, Br
-
-    def _check_dynamic(
-        self, result: FloatArray, delta: FloatArray, spread: FloatArray, doubt: FloatArray, loss: FloatArray
-    ) -> None:
-        lost = not abs(loss) < REGULAR_LOSS or not np.isfinite(result).all()
-        self._check_regular(delta, spread, doubt, limit=LARGE_SPREAD if lost else REGULAR_SPREAD)
-        if lost:
-            raise SingularityError(
-                "the reduced mass matrix is singular here, to rounding: a motion of the mechanism moves no mass, or "
-                "next to none, or a free joint stands at theta = +-90 degrees. Check the masses and inertias, or "
-                "stay away"
-            )
-
-    def _check_regular(
-        self, delta: FloatArray, spread: FloatArray, doubt: FloatArray, *, limit: float = REGULAR_SPREAD
-    ) -> None:
-        if spread < limit and doubt < REGULAR_DOUBT:
-            return
-        size = float(np.sqrt(spread)) if np.isfinite(spread) else float("inf")
-        lost = min(16.0, max(0.0, np.log10(size))) if doubt < REGULAR_DOUBT else 16.0
-        raise SingularityError(
-            f"the independent coordinates {', '.join(self.independent)} are singular here: "
-            f"|B| = {float(delta):.3g}, |N| = {size:.3g}, so results would lose {lost:.0f} of 16 digits. "
-            "Derive with other independent coordinates, or stay away from this configuration"
-        )
 
     def __repr__(self) -> str:
         changed = "".join(f", {name}={value:g}" for name, value in self.given.items())

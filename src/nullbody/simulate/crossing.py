@@ -1,7 +1,7 @@
 """Across a configuration singularity, where A loses rank but the motion is smooth: the flat pose of a parallelogram.
 
-N and gamma have limits along the motion, but a rate at the distance e from the singularity loses EPS / e^2, and no error
-estimate sees all of that. So no rate is evaluated beside it: a step is made that ends right before, its interpolant is
+N and gamma have limits along the motion, but a rate at the distance e from the singularity loses EPS / e^2, and no
+error estimate sees all of that. So no rate is evaluated beside it: a step is made that ends right before, its interpolant is
 continued to right behind, where the loops are closed again and the rates must be those of the interpolant:
 
     t0 ---- step ---- t_s - w | t_s | t_s + w ---- on,        w = 1/20 of the way to t_s

@@ -38,7 +38,8 @@ class Event:
     def __post_init__(self) -> None:
         if self.direction not in (-1, 0, 1):
             raise InputError(f"the direction of event {self.name!r} is -1, 0 or +1, not {self.direction!r}")
-        if not callable(self.when) or not (self.then is None or callable(self.then)):
+        functions: tuple[object, ...] = (self.when,) if self.then is None else (self.when, self.then)
+        if not all(callable(function) for function in functions):
             raise InputError(f"event {self.name!r} needs functions when(t, x) and then(t, x)")
 
     def value(self, t: float, x: State) -> float:

@@ -27,7 +27,9 @@ _CLOSER = 5.0  # by which doubt has grown from its least value where another loo
 _BESIDE = 0.5  # regularity of A against that at the start, below which a configuration singularity may be near
 _NEAR = 1e-3  # likewise, below which a simulation that cannot go on has met one
 _RETRIES = 5  # other charts after failed steps, without a step between
-_LATE = 4.0  # by which |N|^2 at the end of a step exceeds what is watched for where the step is made again in another chart
+_LATE = (
+    4.0  # by which |N|^2 at the end of a step exceeds what is watched for where the step is made again in another chart
+)
 _RISE = 4.0  # by which |N| grows before another look is worth its price
 
 
@@ -185,7 +187,7 @@ class Integration:
         return float(np.sum(scaled * scaled)), doubt
 
     def _earlier(self, run: Run, solver: Any, t1: float) -> Any:
-        """The integrator in another chart from the last knot, where a step came too near to a singularity of this one."""
+        """The integrator in another chart from the last knot, where a step came too near to a singularity of this."""
         t, motion, y = run.knots[-1]
         if not self.settings.switch or self._leaping or self._failed >= _RETRIES:
             return None
@@ -321,6 +323,8 @@ class Integration:
         onward = self._motion(motion.chart)
         start = onward.start(t, after.q.copy(), q_dot, float(y[-1]))
         before = sum(motion.energy(t, motion.full(t, y)))
-        start[-1] += sum(onward.energy(t, onward.full(t, start))) - before  # what the event takes or gives counts as work
+        start[-1] += (
+            sum(onward.energy(t, onward.full(t, start))) - before
+        )  # what the event takes or gives counts as work
         run.knots.append((t, onward, start))
         return self._solver(onward, t, start, t1) if t < t1 else None

@@ -17,8 +17,8 @@ class Outcome(Enum):
         "itself may well move on. Simulate with switch=True, or derive with other independent coordinates"
     )
     CONFIGURATION_SINGULARITY = (
-        "the mechanism itself becomes singular (A loses rank): closures depend on each other there, and the motion does "
-        "not go through smoothly in any independent coordinates: a dead end, or several ways on. Change the lengths or "
+        "the mechanism itself becomes singular (A loses rank): closures depend on each other there, and the motion "
+        "does not go through smoothly in any independent coordinates: a dead end, or several ways on. Change the lengths or "
         "the start a little, or stop before"
     )
     SINGULAR_MASS_MATRIX = (

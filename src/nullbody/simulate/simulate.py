@@ -57,10 +57,10 @@ def simulate(
         samples: number of evenly spaced samples to store, or their times; the integrator's steps by default.
         events: what to look for: `Event`s, which can end the simulation or change the state.
         throw: raise where the end time is not reached; otherwise `outcome` says why.
-        options: `method` "explicit" (Dormand-Prince 8(5,3), the default) or "stiff" (Radau IIA of order 5 with the exact
-            Jacobian at constant inputs), start time `t0` (that of the state) [s], `atol` (0.01 rtol), `max_step` [s],
-            `max_steps` (100 000), `switch` (True) independent coordinates where they become poor, `progress` bar (by
-            default on a terminal when the run takes longer than two seconds).
+        options: `method` "explicit" (Dormand-Prince 8(5,3), the default) or "stiff" (Radau IIA of order 5 with the
+            exact Jacobian at constant inputs), start time `t0` (that of the state) [s], `atol` (0.01 rtol),
+            `max_step` [s], `max_steps` (100 000), `switch` (True) independent coordinates where they become poor,
+            `progress` bar (by default on a terminal when the run takes longer than two seconds).
 
     Raises:
         InputError: wrong times, tolerances or inputs.
@@ -76,10 +76,7 @@ def simulate(
     del chosen["t0"]
     _check(model, state, t0, t1, rtol)
     wanted = _sample_times(samples, t0, t1)
-    for event in events:
-        if not isinstance(event, Event):
-            raise InputError(f"events are nullbody.Event, not {event!r}")
-    integration = Integration(model, _input_function(model, u), Settings(rtol=rtol, events=tuple(events), **chosen))
+    integration = Integration(model, _input_function(model, u), Settings(rtol=rtol, events=_events(events), **chosen))
     with progress_bar(f"simulating {model.mechanism.name}", t0, t1, progress) as advance:
         run = integration.run(state, t0, t1, advance)
     trajectory = _stored(model, run, wanted, began)
@@ -105,6 +102,13 @@ def _check(model: Model, state: object, t0: float, t1: float, rtol: float) -> No
         raise InputError(f"the end time t1 = {t1} must be finite and after the start t0 = {t0}")
     if not _TIGHTEST <= rtol <= 0.1:
         raise InputError(f"rtol = {rtol} must be within {_TIGHTEST}..0.1")
+
+
+def _events(events: Sequence[Event]) -> tuple[Event, ...]:
+    for event in events:
+        if not isinstance(event, Event):
+            raise InputError(f"events are nullbody.Event, not {event!r}")
+    return tuple(events)
 
 
 def _number(**values: Any) -> None:
@@ -172,7 +176,8 @@ def _sample_times(samples: Any, t0: float, t1: float) -> int | FloatArray | None
 def _moments(run: Run, wanted: int | FloatArray | None) -> list[_Moment]:
     """What to store: the knots, or the wanted times up to where the simulation came."""
     if wanted is None or not run.pieces:
-        knots = run.knots if wanted is None or isinstance(wanted, int) else run.knots[: int(wanted[0] <= run.knots[0][0])]
+        early = isinstance(wanted, np.ndarray) and wanted[0] > run.knots[0][0]
+        knots = [] if early else run.knots
         return [_Moment(t, motion, y, motion.full(t, y)) for t, motion, y in knots]
     t0, end = run.knots[0][0], run.knots[-1][0]
     times = np.linspace(t0, end, wanted) if isinstance(wanted, int) else wanted[wanted <= end]

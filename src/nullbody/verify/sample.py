@@ -11,6 +11,7 @@ from nullbody.formats import frame, number, triple
 from nullbody.kinematics import project
 from nullbody.mechanism import Distance, RollingDisc
 from nullbody.model import Model, State
+from nullbody.model.check import check_facing, check_redundant
 from nullbody.tolerances import CLOSED
 from nullbody.typing import FloatArray
 
@@ -113,8 +114,8 @@ def _state(model: Model, q: FloatArray, v: FloatArray, t: float) -> State | None
     if residual > CLOSED * max(typical_length(model), 1.0) * _SLACK:
         return None
     try:
-        model.check_facing(closed, t)
-        model.check_redundant(closed, t)
+        check_facing(model, closed, t)
+        check_redundant(model, closed, t)
     except (StateError, AssemblyError):
         return None
     return model.trusted_state(closed, v, t)

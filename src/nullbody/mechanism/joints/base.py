@@ -138,7 +138,7 @@ def axis_vector(axis: Axis) -> tuple[int, int, int]:
 
 
 def transverse(axis: Axis) -> tuple[tuple[int, int, int], tuple[int, int, int]]:
-    """Unit vectors u, w with u x w = axis: the next two axes in the order x, y, z, x, y; swapped for a negative axis."""
+    """Unit vectors u, w with u x w = axis: the next two axes of x, y, z, x, y; swapped for a negative axis."""
     k = "xyz".index(axis[-1])
     u, w = axis_vector("yzx"[k]), axis_vector("zxy"[k])  # type: ignore[arg-type]
     return (w, u) if axis.startswith("-") else (u, w)
