@@ -9,7 +9,7 @@ import pytest
 from nullbody.catalog import three_prs
 from nullbody.equations import Equations, derive
 from nullbody.errors import InputError, MechanismError, SingularityError, UnknownName
-from nullbody.mechanism import Actuator, Body, Mechanism, Prismatic, Revolute, Spherical
+from nullbody.mechanism import Actuator, Body, Mechanism, Placement, Prismatic, Revolute, Spherical
 from tests.mechanisms import four_bar, slider_crank, two_bodies
 from tests.oracles.sample import evaluate
 
@@ -73,12 +73,11 @@ def test_equations_that_repeat_others_are_reported_by_label() -> None:
     eq = derive(four_bar())
     assert eq.labels == ("pin x", "pin y")
     assert eq.redundant == ("pin z",)
-    assert "pin z" not in str(eq)
     assert "z repeats other equations" in str(eq)
 
 
 def test_a_loop_closed_twice_is_redundant() -> None:
-    twice = Spherical("again", "coupler", ("b", 0, 0), "rocker", ("c", 0, 0))
+    twice = Spherical("again", "coupler", "rocker", at=Placement(("b", 0, 0)), on=Placement(("c", 0, 0)))
     made = four_bar()
     eq = derive(Mechanism(**{**vars(made), "loops": (*made.loops, twice)}))
     assert eq.redundant == ("pin z", "again x", "again y", "again z")
@@ -134,7 +133,7 @@ def test_an_open_chain_has_n_equal_to_the_identity() -> None:
 
 
 def test_a_mechanism_that_cannot_move() -> None:
-    eq = derive(cart(loops=(Spherical("stop", "cart", (0, 0, 0), "ground", (1, 0, 0)),)))
+    eq = derive(cart(loops=(Spherical("stop", "cart", "ground", on=Placement((1, 0, 0))),)))
     assert (eq.independent, eq["N"], eq["Mr"]) == ((), ((),), ())
 
 

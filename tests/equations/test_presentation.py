@@ -76,6 +76,6 @@ def test_a_summary_without_loops_and_inputs() -> None:
 
 def test_a_loop_may_have_a_name_of_several_words() -> None:
     joints = (Prismatic("a", "ground", "a", ("x",), axis="x"), Prismatic("b", "ground", "b", ("y",), axis="x"))
-    loop = Spherical("the long pin", "a", (0, 0, 0), "b", (0, 0, 0))
+    loop = Spherical("the long pin", "a", "b")
     eq = derive(Mechanism("pair", (Body("a", 1), Body("b", 1)), joints, (loop,)))
-    assert "loop the long pin: a point of a meets a point of b (x, y z repeats other equations)" in str(eq)
+    assert "loop the long pin: spherical joint between a and b (x; y z repeats other equations)" in str(eq)

@@ -15,6 +15,7 @@ from nullbody.errors import UnknownName
 OUTPUTS = {
     "Phi": 73,
     "A": 65,
+    "b": 0,
     "c": 165,
     "M": 34,
     "h": 78,
@@ -24,6 +25,7 @@ OUTPUTS = {
     "delta": 106,
     "N": 278,
     "N_scaled": 282,
+    "beta": 0,
     "gamma": 474,
     "gamma_scaled": 478,
     "Mr": 482,
@@ -33,8 +35,10 @@ OUTPUTS = {
 ROUTINES = {
     "closure": 114,
     "redundant": 0,
+    "facing": 0,
+    "rows": 65,
     "kinematics": 667,
-    "forward_dynamics": 1144,
+    "forward_dynamics": 1149,
     "inverse_dynamics": 1060,
     "reactions": 486,
     "energy": 101,
@@ -42,6 +46,7 @@ ROUTINES = {
 SHAPES = {
     "Phi": (9,),
     "A": (9, 12),
+    "b": (9,),
     "c": (9,),
     "M": (12, 12),
     "h": (12,),
@@ -51,6 +56,7 @@ SHAPES = {
     "delta": (),
     "N": (12, 3),
     "N_scaled": (12, 3),
+    "beta": (12,),
     "gamma": (12,),
     "gamma_scaled": (12,),
     "Mr": (3, 3),

@@ -146,7 +146,7 @@ def test_forms_of_the_guess() -> None:
         ({"s_1": 0.6}, UnknownName, "no coordinate 's_1'; did you mean 's1'"),
         ({"s1": "0.6"}, InputError, "real numbers"),
         ({"s1": np.nan}, InputError, "coordinate s1 must be finite"),
-        ([0.6, 0.6, 0.6], InputError, r"give coordinates by name, such as \{'s1': 0.6\}"),
+        ([0.6, 0.6, 0.6], InputError, r"give coordinates by name, such as \{'x': 0.6\}"),
         (None, InputError, "give coordinates by name"),
     ],
 )

@@ -87,7 +87,9 @@ class Trajectory:
     @property
     def v(self) -> FloatArray:
         """Rates of the model's independent coordinates at the stored samples [m/s, rad/s]."""
-        return self.q_dot[:, self.model.independent_columns]
+        rates = self.q_dot[:, self.model.independent_columns]
+        rates.flags.writeable = False
+        return rates
 
     def __getitem__(self, name: object) -> FloatArray:
         """A coordinate or an input over the stored samples, by name; `name'` (with a prime) is a coordinate's rate."""
@@ -128,7 +130,7 @@ class Trajectory:
         if not self._pieces:
             return Sample(times, np.repeat(self.q[:1], len(times), 0), np.repeat(self.v[:1], len(times), 0))
         full = [at_time(self._pieces, float(time)).full(float(time)) for time in times]
-        q = np.array([f.q for f in full]).reshape(len(times), -1)
+        q = np.array([f.q for f in full]).reshape(len(times), len(self.model.coordinates))
         return Sample(times, q, np.array([f.q_dot[columns] for f in full]).reshape(len(times), len(columns)))
 
     def _moments(self, t: Sequence[float] | FloatArray) -> FloatArray:
