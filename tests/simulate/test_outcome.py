@@ -77,7 +77,7 @@ def test_start_at_the_singularity() -> None:
     model = robot()
     q = np.zeros(12)
     q[9:] = 0.1
-    with pytest.raises(SimulationError, match="ended at t = 0 s of 1 s: .*become singular"):
+    with pytest.raises(SimulationError, match=r"ended at t = 0 s of 1 s: .*become singular"):
         simulate(model, model.state(q, (0.1, 0.1, 0.1)), 1.0)
 
 

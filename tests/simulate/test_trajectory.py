@@ -30,7 +30,7 @@ def test_names() -> None:
 
 @pytest.mark.parametrize(
     ("name", "hint"),
-    [("s4'", "s[123]'"), ("alpha", "alpha[123]"), ("f1", "s1|F1"), ("alpha4'", "alpha[123]'"), (3, "")],
+    [("s4'", "s[123]'"), ("alpha", "alpha[123]"), ("f1", "s1|F1"), ("alpha4'", "alpha"), (3, "")],
 )
 def test_unknown_name(name: Any, hint: str) -> None:
     with pytest.raises(UnknownName, match=f"there is no coordinate, rate or input .*{hint}"):

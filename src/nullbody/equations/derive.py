@@ -73,7 +73,6 @@ def derive(
     reduction = _Reduction(loads, kept, space, symbols)
     outputs = {"Phi": [loops.Phi[i] for i in chart.closures], **reduction.outputs()}
     routines = {**_closure_routines(loops, kept, chart), **reduction.routines()}
-    zero = symbols.zero
     graph.verify()
     return Equations(
         mechanism=mechanism,
@@ -85,9 +84,9 @@ def derive(
         redundant=tuple(label for i, label in enumerate(loops.labels) if i not in chart.rows),
         facing=tuple(loop for loop, _ in loops.facing),
         mobility=chart.mobility,
-        outputs={name: _expressions(output, zero) for name, output in outputs.items()},
+        outputs={name: _expressions(output, symbols.zero) for name, output in outputs.items()},
         routines={
-            name: Routine(r.inputs, {key: _expressions(value, zero) for key, value in r.outputs.items()})
+            name: Routine(r.inputs, {key: _expressions(value, symbols.zero) for key, value in r.outputs.items()})
             for name, r in routines.items()
         },
         groups=symbols.groups,

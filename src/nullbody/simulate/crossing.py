@@ -1,8 +1,8 @@
 """Across a configuration singularity, where A loses rank but the motion is smooth: the flat pose of a parallelogram.
 
 N and gamma have limits along the motion, but a rate at the distance e from the singularity loses EPS / e^2, and no
-error estimate sees all of that. So no rate is evaluated beside it: a step is made that ends right before, its interpolant is
-continued to right behind, where the loops are closed again and the rates must be those of the interpolant:
+error estimate sees all of that. So no rate is evaluated beside it: a step is made that ends right before, its
+interpolant is continued to right behind, where the loops are closed again and the rates must be its own:
 
     t0 ---- step ---- t_s - w | t_s | t_s + w ---- on,        w = 1/20 of the way to t_s
 
@@ -23,6 +23,7 @@ __all__ = ["Leap", "crossed_at", "landed", "leap_over", "leap_piece"]
 
 _LOOKS = 12  # places within a step
 _DEEP = 0.05  # depth of a crossing against the ends of the step
+_AHEAD = 0.3  # of the length h of steps, by which a singularity may lie behind the end of one
 _WIDTH = 0.05  # w against the way to t_s
 _SMOOTH = 0.02  # relative difference of rates behind the singularity from those of the interpolant
 
@@ -34,8 +35,8 @@ class Leap(NamedTuple):
     end: float
 
 
-def crossed_at(piece: Piece) -> float | None:
-    """The time within a step, or shortly after it, at which the distance from a singularity passes through zero."""
+def crossed_at(piece: Piece, h: float) -> float | None:
+    """The time within a step, or up to 0.3 h after it, at which the distance from a singularity passes through zero."""
 
     def distance(t: float) -> float:
         doubt = piece.motion.measures(t, np.asarray(piece.interpolant(t)))[3]
@@ -44,10 +45,10 @@ def crossed_at(piece: Piece) -> float | None:
     times = np.linspace(piece.t0, piece.t1, _LOOKS + 1)
     values = [distance(float(t)) for t in times]
     k = int(np.argmin(values))
-    if k == _LOOKS:  # still approaching: straight on
-        slope = (values[-1] - values[-3]) / (times[-1] - times[-3])
-        after = values[-1] / max(-slope, 1e-300)
-        return float(piece.t1 + after) if after < 0.1 * (piece.t1 - piece.t0) else None
+    if k == _LOOKS:  # still approaching, or just past it: straight on from before the last look
+        slope = (values[-2] - values[-3]) / (times[-2] - times[-3])
+        t_s = float(times[-2] + values[-2] / max(-slope, 1e-300))
+        return t_s if t_s < piece.t1 + _AHEAD * h else None
     if k == 0:
         return None
     from scipy.optimize import minimize_scalar

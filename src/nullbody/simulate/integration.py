@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,6 +26,8 @@ _ENDED = object()  # instead of an integrator: the simulation is over
 _CLOSER = 5.0  # by which doubt has grown from its least value where another look at A is due
 _BESIDE = 0.5  # regularity of A against that at the start, below which a configuration singularity may be near
 _NEAR = 1e-3  # likewise, below which a simulation that cannot go on has met one
+_SHORT = 0.2  # of the longest recent step: rounding beside a singularity makes steps shorter than that
+_RECENT = 6  # steps
 _RETRIES = 5  # other charts after failed steps, without a step between
 _LATE = (
     4.0  # by which |N|^2 at the end of a step exceeds what is watched for where the step is made again in another chart
@@ -135,12 +137,13 @@ class Integration:
         piece = Piece(t0, float(solver.t), motion, solver.dense_output())
         beside = self._beside(motion, piece.t1, solver.y)
         if (beside or motion.closing) and not self._leaping:
-            t_s = crossed_at(piece)
+            h = _usual(run, piece)
+            t_s = crossed_at(piece, h)
             if t_s is not None:
-                leapt = self._leap(run, piece, t_s, t1, advance)
+                leapt = self._leap(run, h, t_s, t1, advance)
                 if leapt is not None:
                     return leapt
-        y, open_by = run.add(piece)
+        y, open_by = run.add(piece, solver.y)
         if y is not solver.y:
             solver.y = y
             solver.f = motion.rate(solver.t, y)
@@ -223,10 +226,10 @@ class Integration:
             return False
         return regularity(motion.chart, y[: motion.nq], t) < _BESIDE * self._first
 
-    def _leap(self, run: Run, crossing: Piece, t_s: float, t1: float, advance: Callable[[float], None]) -> Any:
+    def _leap(self, run: Run, h: float, t_s: float, t1: float, advance: Callable[[float], None]) -> Any:
         """Go on behind a configuration singularity; None where there is no room, or the end is nearer."""
-        h = crossing.t1 - crossing.t0
-        if t_s - run.knots[-1][0] < 0.2 * h and run.pieces and run.pieces[-1].motion is crossing.motion:
+        motion = run.knots[-1][1]
+        while t_s - run.knots[-1][0] < 0.2 * h and _may_go(run.pieces, motion):  # back to before the short steps
             run.pieces.pop()
             run.knots.pop()
         t0, motion, y0 = run.knots[-1]
@@ -328,3 +331,15 @@ class Integration:
         )  # what the event takes or gives counts as work
         run.knots.append((t, onward, start))
         return self._solver(onward, t, start, t1) if t < t1 else None
+
+
+def _usual(run: Run, piece: Piece) -> float:
+    """The length of a step, or that of the longest recent one where this one is much shorter."""
+    h = piece.t1 - piece.t0
+    longest = max((p.t1 - p.t0 for p in run.pieces[-_RECENT:]), default=0.0)
+    return longest if h < _SHORT * longest else h
+
+
+def _may_go(pieces: Sequence[Piece], motion: Motion) -> bool:
+    """Whether the last step can be made again: it is in the same chart and no leap."""
+    return bool(pieces) and pieces[-1].motion is motion and not pieces[-1].across

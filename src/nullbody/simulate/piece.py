@@ -79,9 +79,8 @@ class Run:
     switches: int = 0
     crossings: int = 0
 
-    def add(self, piece: Piece) -> tuple[FloatArray, float]:
-        """Append a step; y at its end with the loops closed, and what |Phi| remains."""
-        raw = np.asarray(piece.interpolant(piece.t1))
+    def add(self, piece: Piece, raw: FloatArray) -> tuple[FloatArray, float]:
+        """Append a step that ends at `raw`; y there with the loops closed, and what |Phi| remains."""
         y, open_by = projected(piece.motion, piece.t1, raw)
         self.projections += y is not raw
         self.pieces.append(piece)
