@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray
 
-FALLING = "simulate three_prs --rates s1=0.1 --until 2"
+FALLING = "simulate three_prs --rates s1=0.1 --until 2 --keep"
 
 
 def test_numbers_are_those_of_the_library(nullbody) -> None:

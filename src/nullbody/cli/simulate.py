@@ -69,6 +69,12 @@ Gains = Annotated[
 ]
 Forces = Annotated[Values, typer.Option(metavar="NAME=VALUE,...", help="Constant inputs; those not named are 0.")]
 Tolerance = Annotated[float, typer.Option(metavar="NUMBER", help="Relative tolerance of the local error.")]
+Method = Annotated[
+    str, typer.Option(metavar="explicit|stiff", help="Dormand-Prince 8(5,3), or Radau IIA for stiff motions.")
+]
+Keep = Annotated[
+    bool, typer.Option("--keep", help="Keep the independent coordinates: end where they become singular.")
+]
 Samples = Annotated[
     int | None, typer.Option(min=2, metavar="COUNT", help="Number of evenly spaced samples; by default all steps.")
 ]
@@ -86,6 +92,8 @@ def simulate(  # noqa: PLR0913, one parameter for each option
     forces: Forces = None,
     rtol: Tolerance = 1e-10,
     samples: Samples = None,
+    method: Method = "explicit",
+    keep: Keep = False,
     parameters: Parameters = None,
     independent: Independent = None,
     out: Out = None,
@@ -106,7 +114,7 @@ def simulate(  # noqa: PLR0913, one parameter for each option
     )
     failure: SimulationError | None = None
     try:
-        trajectory = motion(model, state, until, u=inputs, rtol=rtol, samples=samples)
+        trajectory = motion(model, state, until, u=inputs, rtol=rtol, samples=samples, method=method, switch=not keep)
     except SimulationError as error:
         trajectory, failure = error.trajectory, error
     if write is not None:
