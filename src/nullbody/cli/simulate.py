@@ -72,9 +72,7 @@ Tolerance = Annotated[float, typer.Option(metavar="NUMBER", help="Relative toler
 Method = Annotated[
     str, typer.Option(metavar="explicit|stiff", help="Dormand-Prince 8(5,3), or Radau IIA for stiff motions.")
 ]
-Keep = Annotated[
-    bool, typer.Option("--keep", help="Keep the independent coordinates: end where they become singular.")
-]
+Keep = Annotated[bool, typer.Option("--keep", help="Keep the independent coordinates: end where they become singular.")]
 Samples = Annotated[
     int | None, typer.Option(min=2, metavar="COUNT", help="Number of evenly spaced samples; by default all steps.")
 ]

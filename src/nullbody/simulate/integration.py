@@ -28,6 +28,7 @@ _BESIDE = 0.5  # regularity of A against that at the start, below which a config
 _NEAR = 1e-3  # likewise, below which a simulation that cannot go on has met one
 _SHORT = 0.2  # of the longest recent step: rounding beside a singularity makes steps shorter than that
 _RECENT = 6  # steps
+_LOST = 1e-9  # regularity of A below which it has lost rank, wherever it began
 _RETRIES = 5  # other charts after failed steps, without a step between
 _LATE = (
     4.0  # by which |N|^2 at the end of a step exceeds what is watched for where the step is made again in another chart
@@ -280,7 +281,7 @@ class Integration:
             return motion.refused, ""
         if not doubt < self._watched[1] or not spread < LARGE_SPREAD:
             left = regularity(motion.chart, y[: motion.nq], t)
-            if left < _NEAR * self._first and self.settings.switch:
+            if (left < _NEAR * self._first or left < _LOST) and self.settings.switch:
                 return Outcome.CONFIGURATION_SINGULARITY, f" (smallest singular value of A {left:.1e} of the largest)"
         if motion.refused is not None or not spread < LARGE_SPREAD:
             return self._singular(motion, delta, spread)
