@@ -127,4 +127,5 @@ def test_measures_see_a_wrong_entry() -> None:
     N[4, 1] *= 1 + 1e-6
     assert residual(A, N) > 1e-9 and subspace_error(N, exact) > 1e-8
     assert orthogonality(baseline.gauss_jordan(A)) > 1e-3
-    assert subspace_error(np.ones((12, 3)), exact) == 1.0
+    # of rank one: which directions complete it is up to rounding, and differs between processors
+    assert subspace_error(np.ones((12, 3)), exact) == pytest.approx(1.0, abs=1e-4)
