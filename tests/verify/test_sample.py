@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from nullbody import AssemblyError, build, derive
+from nullbody.model.check import check_facing
 from nullbody.verify import admissible_states, sample
 from nullbody.verify.sample import typical_length
 from tests.verify.cases import CASES
@@ -74,7 +75,7 @@ def test_times_are_drawn_where_the_time_matters() -> None:
 def test_loops_are_not_closed_the_wrong_way_round() -> None:
     model = model_of("loop Cylindrical")
     for state in admissible_states(model, 10):
-        model.check_facing(state.q)
+        check_facing(model, state.q)
 
 
 def test_typical_length_counts_placements_rods_and_radii(robot) -> None:
