@@ -18,7 +18,7 @@ import numpy as np
 
 from nullbody.equations.closure import Closures
 from nullbody.expr import Expr, Tape
-from nullbody.typing import FloatArray, IndexArray
+from nullbody.typing import FloatArray
 
 __all__ = ["Manifold", "Sample"]
 
@@ -33,7 +33,6 @@ _TRIES = 25
 _STRIDE = 0.15  # along the null space, from one sample to the next [m, rad]
 _STARTS = 8  # other starts, where the home itself does not close
 _POOR = 1e-3  # smallest singular value of Z[v] below which other coordinates are preferred
-_INDEPENDENT = 1e-9  # likewise, below which they are dependent
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,7 @@ class Sample:
 
     def independent_rows(self, rank: int, first: Sequence[int] = ()) -> list[int]:
         """That many rows, the first ones and then each the longest of what those before it leave of them."""
-        return sorted([*first, *_longest(self.A, rank - len(first), range(len(self.A)), first)])
+        return sorted([*first, *_longest(self.A, rank - len(first), first)])
 
     def independent_columns(self, preferred: Sequence[int]) -> list[int]:
         """Columns v for which |B| is large: rows of Z, the longest first; preferred ones where they are not poor."""
@@ -82,16 +81,12 @@ class Sample:
             for k in preferred:
                 if len(chosen) < Z.shape[1] and self.quality([*chosen, k]) >= _POOR:
                     chosen.append(k)
-        return [*chosen, *_longest(Z, Z.shape[1] - len(chosen), range(len(Z)), chosen)]
+        return [*chosen, *_longest(Z, Z.shape[1] - len(chosen), chosen)]
 
     def quality(self, columns: Sequence[int]) -> float:
         """The smallest singular value of Z[v], 1 at best: 1 / |N|."""
         rows = self.null_space[list(columns)]
         return float(np.linalg.svd(rows, compute_uv=False)[-1]) if rows.size else 1.0
-
-    def independent(self, columns: Sequence[int]) -> bool:
-        """Whether these columns can be the independent ones."""
-        return self.quality(columns) > _INDEPENDENT
 
 
 class Manifold:
@@ -99,7 +94,7 @@ class Manifold:
 
     Args:
         loops: the constraints.
-        q, rates, time: their symbols.
+        symbols: those of the coordinates, and that of the time.
         parameters: values by name.
         home: where to start.
     """
@@ -180,13 +175,13 @@ def _unit_rows(A: FloatArray) -> FloatArray:
     return scaled
 
 
-def _longest(rows: FloatArray, count: int, order: Sequence[int] | IndexArray, first: Sequence[int] = ()) -> list[int]:
+def _longest(rows: FloatArray, count: int, first: Sequence[int] = ()) -> list[int]:
     """Rows picked one by one, each the longest of what those before it leave (pivoted Gram-Schmidt)."""
     left, found = np.array(rows, dtype=float), []
     for k in (*first, *[None] * count):
         if k is None:
             lengths = np.linalg.norm(left, axis=1)
-            k = max(order, key=lambda i: (round(float(lengths[i]), 6), -i))
+            k = max(range(len(rows)), key=lambda i: (round(float(lengths[i]), 6), -i))
             found.append(k)
         direction = left[k] / max(float(np.linalg.norm(left[k])), 1e-300)
         left = left - np.outer(left @ direction, direction)
