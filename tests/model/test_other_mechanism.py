@@ -65,6 +65,19 @@ def test_inputs_that_cannot_drive_here_are_named() -> None:
         model.inverse_dynamics(dead, [1.0])
 
 
+@pytest.mark.parametrize("distance", [1e-9, 1e-12, 1e-15])
+def test_inputs_beside_a_place_where_they_cannot_drive_are_right_or_refused(distance: float) -> None:
+    model = build(derive(slider_crank(), ("alpha",)))
+    beside = assemble(model, {"alpha": distance}, v=[1.0])
+    try:
+        u = model.inverse_dynamics(beside, [1.0])
+    except SingularityError as error:
+        assert distance < 1e-9 and "some motion needs no work of theirs" in str(error)
+    else:
+        assert distance == 1e-9 and beside["alpha"] == pytest.approx(distance)
+        assert model.forward_dynamics(beside, u)[model.independent_columns[0]] == pytest.approx(1.0, abs=1e-6)
+
+
 def test_independent_slider_is_singular_at_the_dead_centre() -> None:
     model = build(derive(slider_crank(), ("s",)))
     dead = assemble(model, {"s": 0.45}, v=[1.0])

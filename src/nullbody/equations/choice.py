@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from nullbody.equations.closure import Closures
 from nullbody.equations.manifold import Manifold, Sample
 from nullbody.equations.mobility import Mobility
-from nullbody.errors import InputError, SingularityError, UnknownName
+from nullbody.errors import InputError, MechanismError, SingularityError, UnknownName
 from nullbody.mechanism import Mechanism
 from nullbody.nullspace import Echelon, echelon
 
@@ -43,6 +43,7 @@ def choose(
 
     Raises:
         UnknownName, InputError: wrong names or numbers of them.
+        MechanismError: a driver moves what the loops hold.
         SingularityError: the wanted coordinates depend on each other in every configuration.
     """
     names = mechanism.coordinates
@@ -53,6 +54,8 @@ def choose(
     samples = manifold.samples
     rank = min(form.rank, max((sample.rank for sample in samples), default=form.rank))
     where = next((sample for sample in samples if sample.rank == rank), None)
+    if mechanism.rheonomic and where is not None:
+        _check_driven(loops, manifold, where)
     rows = form.rows
     if labels is not None:
         rows = _labelled(loops, labels, rank)
@@ -71,6 +74,16 @@ def choose(
     chosen = _independent(mechanism, form, where, mobility.nv, wanted)
     closures = sorted({*holonomic.rows, *(i for i in rows if i < len(loops.Phi))})
     return Choice(rows, tuple(closures), chosen, mobility)
+
+
+def _check_driven(loops: Closures, manifold: Manifold, where: Sample) -> None:
+    found = manifold.unfulfilled(where)
+    if found is not None:
+        row, t = found
+        raise MechanismError(
+            f"{loops.labels[row]!r} asks for a motion that the other equations do not allow: no rates fulfil all of "
+            f"them at t = {t:g} s. Leave it out, drive another coordinate, or give the mechanism a degree of freedom"
+        )
 
 
 def _norms(mechanism: Mechanism, loops: Closures) -> list[int]:

@@ -32,6 +32,7 @@ _SAMPLES = 5
 _TRIES = 25
 _STRIDE = 0.15  # along the null space, from one sample to the next [m, rad]
 _STARTS = 8  # other starts, where the home itself does not close
+_TIMES = (0.0, 0.37, 1.9)  # at which rates must exist that fulfil all rows [s]
 _POOR = 1e-3  # smallest singular value of Z[v] below which other coordinates are preferred
 
 
@@ -111,7 +112,8 @@ class Manifold:
         self._parameters = [*parameters.values()]
         self._home = np.array(list(home.values()))
         self._places = [(i, j) for i, row in enumerate(loops.A) for j, entry in enumerate(row) if entry != 0]
-        outputs = [*loops.Phi, *(loops.A[i][j] for i, j in self._places), *(cosine for _, cosine in loops.facing)]
+        entries = [loops.A[i][j] for i, j in self._places]
+        outputs = [*loops.Phi, *entries, *(cosine for _, cosine in loops.facing), *loops.b]
         names = [*(str(s.name) for s in q), str(time.name), *parameters]
         self._rows = len(loops.A)
         self._tape = Tape.of(outputs, names)
@@ -143,7 +145,7 @@ class Manifold:
         q = np.array(start, dtype=float)
         size = max(1.0, float(np.abs(q).max(initial=0.0)))
         for _ in range(_STEPS):
-            Phi, A, facing = self._evaluated(q)
+            Phi, A, facing, _ = self._evaluated(q)
             if not np.isfinite(Phi).all() or not np.isfinite(A).all():
                 return None
             if np.abs(Phi).max(initial=0.0) <= _CLOSED * size:
@@ -152,16 +154,34 @@ class Manifold:
             q += change * min(1.0, _LONGEST * size / max(float(np.abs(change).max()), 1e-300))
         return None
 
-    def _evaluated(self, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Phi, A and the facing cosines; NaN where they have no value."""
+    def unfulfilled(self, sample: Sample) -> tuple[int, float] | None:
+        """A row that moves with the time, and a time at which no rates fulfil A q' + b = 0; None if all can be.
+
+        The other rows hold what it drives: b is not in the range of A. Times at which A has another rank are left out.
+        """
+        for t in _TIMES:
+            _, A, _, b = self._evaluated(sample.q, t)
+            scaled = _unit_rows(A)
+            if not (np.isfinite(A).all() and np.isfinite(b).all()) or Sample(sample.q, scaled).rank != sample.rank:
+                continue
+            length = np.linalg.norm(A, axis=1)
+            wanted = b / np.where(length > _NOISE, length, 1.0)
+            left = wanted - scaled @ np.linalg.lstsq(scaled, wanted, rcond=_RANK)[0]
+            if np.abs(left).max(initial=0.0) > _RANK**0.5 * np.abs(wanted).max(initial=0.0):
+                return int(np.abs(np.where(b != 0, left, 0.0)).argmax()), t
+        return None
+
+    def _evaluated(self, q: FloatArray, t: float = 0.0) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Phi, A, the facing cosines and b; NaN where they have no value."""
         A = np.zeros((self._rows, self._n))
         try:
-            values = np.array(self._tape.run([*q.tolist(), 0.0, *self._parameters]), dtype=float)
+            values = np.array(self._tape.run([*q.tolist(), t, *self._parameters]), dtype=float)
         except (ZeroDivisionError, ValueError, OverflowError):
-            return np.full(self._holonomic, np.nan), A, np.zeros(0)
+            return np.full(self._holonomic, np.nan), A, np.zeros(0), np.full(self._rows, np.nan)
         for (i, j), value in zip(self._places, values[self._holonomic :], strict=False):
             A[i, j] = value
-        return values[: self._holonomic], A, values[self._holonomic + len(self._places) :]
+        end = len(values) - self._rows
+        return values[: self._holonomic], A, values[self._holonomic + len(self._places) : end], values[end:]
 
 
 def _unit_rows(A: FloatArray) -> FloatArray:

@@ -2,7 +2,7 @@
 
 from nullbody.kinematics.assemble import assemble
 from nullbody.kinematics.branch import Branches, branches, inverse_kinematics
-from nullbody.kinematics.chart import Configuration, coordinate_scales, regular_chart, regularity
+from nullbody.kinematics.chart import Configuration, regular_chart, regularity
 from nullbody.kinematics.consistent import ConsistentState, consistent
 from nullbody.kinematics.newton import project
 from nullbody.kinematics.singularity import Singularity, singularity
@@ -18,7 +18,6 @@ __all__ = [
     "assemble",
     "branches",
     "consistent",
-    "coordinate_scales",
     "inverse_kinematics",
     "project",
     "regular_chart",

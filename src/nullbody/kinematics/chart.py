@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from nullbody.model import Model
-from nullbody.typing import FloatArray, IndexArray
+from nullbody.model.scale import coordinate_scales, row_scales
+from nullbody.typing import FloatArray
 
-__all__ = ["Configuration", "coordinate_scales", "regular_chart", "regularity"]
+__all__ = ["Configuration", "regular_chart", "regularity"]
 
 _RANK = 1e-9  # relative; singular values of A below it are zero
 _GOOD = 0.15  # smallest singular value of Z[v], 1 at best, from which the independent coordinates are kept
@@ -87,31 +88,6 @@ def regularity(model: Model, q: FloatArray, t: float = 0.0) -> float:
 def _without_units(model: Model, A: FloatArray) -> FloatArray:
     scaled: FloatArray = A * coordinate_scales(model, A) / row_scales(model, A)[:, None]
     return scaled
-
-
-def coordinate_scales(model: Model, A: FloatArray) -> FloatArray:
-    """What coordinates are measured in: 1 rad, and the longest lever of an angle for lengths [m]."""
-    return np.where(_lengths(model), _lever(model, A), 1.0)
-
-
-def row_scales(model: Model, A: FloatArray) -> FloatArray:
-    """What the residuals of all rows are measured in."""
-    return np.where(_gaps(model), _lever(model, A), 1.0)
-
-
-def _lever(model: Model, A: FloatArray) -> float:
-    lever = float(np.abs(A[_gaps(model)][:, ~_lengths(model)]).max(initial=0.0))
-    return lever if lever > 0 else 1.0
-
-
-def _lengths(model: Model) -> IndexArray:
-    units = model.mechanism.units
-    return np.array([units[name] == "m" for name in model.coordinates], dtype=bool)
-
-
-def _gaps(model: Model) -> IndexArray:
-    units = dict((*model.mechanism.holonomic_rows, *model.mechanism.nonholonomic_rows))
-    return np.array([units[label].startswith("m") for label in model.all_labels], dtype=bool)
 
 
 def regular_chart(model: Model, q: FloatArray, t: float = 0.0, *, good: float = _GOOD) -> Model:

@@ -102,10 +102,11 @@ class Mechanism:
         return tuple(self._holonomic_rows())
 
     def _holonomic_rows(self) -> Iterator[tuple[str, str]]:
+        units = self.units
         for loop in self.loops:
             yield from ((f"{loop.name} {row}", unit) for row, unit in zip(loop.rows, loop.row_units, strict=True))
         for constraint in self.constraints:
-            yield from ((f"{constraint.name} {row}", unit) for row, unit in constraint.holonomic_rows)
+            yield from ((f"{constraint.name} {row}", unit) for row, unit in constraint.holonomic_rows(units))
         for joint in self.joints:
             yield from ((f"{joint.name} {row}", "") for row in joint.own_rows)
 

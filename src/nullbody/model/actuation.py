@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nullbody.errors import SingularityError
+from nullbody.model.scale import coordinate_scales
 from nullbody.typing import FloatArray
 
-__all__ = ["Actuation", "solved"]
+if TYPE_CHECKING:
+    from nullbody.model.model import Model
+    from nullbody.model.state import State
+
+__all__ = ["Actuation", "required", "solved"]
 
 _RANK = 1e-10  # relative; singular values of Br below it are zero
+_DOUBT = 1e-6  # relative, in any units; above it Br is not looked at more closely
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,3 +52,38 @@ def solved(Qr: FloatArray, Br: FloatArray) -> Actuation:
     size = float(np.abs(Qr).max(initial=0.0))
     feasible = bool(np.abs(residual).max(initial=0.0) <= _RANK * max(size, 1e-300))
     return Actuation(u, residual, right[rank:].T.copy(), rank, feasible)
+
+
+def required(model: Model, state: State, Qr: FloatArray, u: FloatArray, Br: FloatArray) -> FloatArray:
+    """u with Br u = Qr: the given solution of as many inputs as degrees of freedom, of least norm with more inputs.
+
+    Raises:
+        SingularityError: Br has not full rank, to rounding.
+    """
+    if len(model.inputs) > len(Qr):
+        u = solved(Qr, Br).u
+    if len(u) != len(model.inputs):
+        where = "anywhere"
+    elif not np.isfinite(u).all() or (_doubtful(Br) and _smallest(model, state, Br) < _RANK):
+        where = "here: some motion needs no work of theirs"
+    else:
+        return u
+    raise SingularityError(
+        f"the inputs {', '.join(model.inputs)} cannot drive all degrees of freedom {where}. `actuation` gives the "
+        "inputs that come nearest, and the forces that are missing"
+    )
+
+
+def _doubtful(Br: FloatArray) -> bool:
+    """Whether Br may be singular, without regard to units."""
+    sizes = np.linalg.svd(Br, compute_uv=False)
+    return not sizes.min(initial=1.0) > _DOUBT * max(sizes.max(initial=1.0), 1.0)
+
+
+def _smallest(model: Model, state: State, Br: FloatArray) -> float:
+    """The smallest singular value of Br without units, against the largest or 1: motions of inputs per motion of v."""
+    scales = coordinate_scales(model, model.all_rows(state.q, state.t)[1])
+    sizes = np.linalg.svd(
+        scales[model.independent_columns, None] * Br / scales[model.actuated_columns], compute_uv=False
+    )
+    return float(sizes.min(initial=1.0) / max(sizes.max(initial=1.0), 1.0))

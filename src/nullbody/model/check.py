@@ -61,9 +61,13 @@ def check_redundant(model: Model, q: FloatArray, t: float = 0.0) -> None:
     """
     dropped = model.evaluate("redundant", q, t=t)[0]
     if not np.abs(dropped).max(initial=0.0) <= GIVEN_CLOSED:
+        rows = [row for row in model.mechanism.holonomic_rows if row[0] not in model.closure_labels]
+        worst = int(np.abs(dropped).argmax())
+        label, unit = rows[worst]
         raise AssemblyError(
-            f"the loops of {model.mechanism.name!r} can never close for these parameters: an equation that no "
-            f"coordinate changes independently is open by {np.abs(dropped).max():.3g} m. Check the lengths"
+            f"the loops of {model.mechanism.name!r} can never close for these parameters: {label!r} is open by "
+            f"{abs(dropped[worst]):.3g} {unit} and no coordinate can change that independently of the other "
+            f"equations. Check the lengths, offsets and drivers"
         )
 
 

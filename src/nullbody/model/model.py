@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from nullbody.equations import Mobility
-from nullbody.errors import InputError, SingularityError
+from nullbody.errors import InputError
 from nullbody.kernels import Library
 from nullbody.mechanism import Mechanism
-from nullbody.model.actuation import Actuation, solved
+from nullbody.model.actuation import Actuation, required, solved
 from nullbody.model.check import check_closed, check_dynamic, check_regular
 from nullbody.model.state import State, vector
 from nullbody.typing import FloatArray
@@ -286,13 +286,7 @@ class Model:
             )
         state = self.own(state)
         Qr, u, Br = self._inverse(state, wanted)
-        if len(self.inputs) > len(self.independent):
-            found = solved(Qr, Br.reshape(len(Qr), -1))
-            u = found.u if found.rank == len(Qr) else np.full(len(self.inputs), np.nan)
-        if len(u) != len(self.inputs) or not np.isfinite(u).all():
-            where = "anywhere" if len(u) != len(self.inputs) else "here: some motion needs no work of theirs"
-            raise SingularityError(f"the inputs {', '.join(self.inputs)} cannot drive all degrees of freedom {where}")
-        return u
+        return required(self, state, Qr, u, Br.reshape(len(Qr), len(self.inputs)))
 
     def actuation(self, state: State, v_dot: object) -> Actuation:
         """What the inputs can do for given independent accelerations, with any number of inputs.

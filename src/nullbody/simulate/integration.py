@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from nullbody.errors import InputError, SingularityError
-from nullbody.kinematics import coordinate_scales, regular_chart, regularity
+from nullbody.kinematics import regular_chart, regularity
 from nullbody.kinematics.newton import closed_to
 from nullbody.model import Model, State
+from nullbody.model.scale import coordinate_scales
 from nullbody.simulate.crossing import crossed_at, landed, leap_over, leap_piece
 from nullbody.simulate.event import Event, Happened, first_crossing
 from nullbody.simulate.motion import Input, Motion

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,10 +24,9 @@ class AbstractConstraint(ABC):
 
     name: str
 
-    @property
     @abstractmethod
-    def holonomic_rows(self) -> tuple[tuple[str, str], ...]:
-        """(name, unit) of each equation Phi(q, t) = 0."""
+    def holonomic_rows(self, units: Mapping[str, str]) -> tuple[tuple[str, str], ...]:
+        """(name, unit) of each equation Phi(q, t) = 0, given the units of all coordinates."""
 
     @property
     def nonholonomic_rows(self) -> tuple[tuple[str, str], ...]:

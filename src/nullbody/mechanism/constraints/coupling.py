@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,10 +31,9 @@ class Coupling(AbstractConstraint):
     ratio: Scalar
     offset: Scalar = 0
 
-    @property
-    def holonomic_rows(self) -> tuple[tuple[str, str], ...]:
+    def holonomic_rows(self, units: Mapping[str, str]) -> tuple[tuple[str, str], ...]:
         """One equation, in the unit of the driven coordinate."""
-        return (("coupling", "m"),)
+        return (("coupling", units[self.driven]),)
 
     @property
     def coordinates(self) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,8 +19,7 @@ class Holonomic(AbstractConstraint):
 
     residuals: tuple[Scalar, ...]
 
-    @property
-    def holonomic_rows(self) -> tuple[tuple[str, str], ...]:
+    def holonomic_rows(self, units: Mapping[str, str]) -> tuple[tuple[str, str], ...]:
         """One equation for each residual."""
         return tuple((str(k + 1), "m") for k in range(len(self.residuals)))
 
@@ -40,8 +39,7 @@ class Nonholonomic(AbstractConstraint):
 
     residuals: tuple[Scalar, ...]
 
-    @property
-    def holonomic_rows(self) -> tuple[tuple[str, str], ...]:
+    def holonomic_rows(self, units: Mapping[str, str]) -> tuple[tuple[str, str], ...]:
         """None."""
         return ()
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,10 +25,9 @@ class Driver(AbstractConstraint):
     coordinate: str
     motion: Scalar
 
-    @property
-    def holonomic_rows(self) -> tuple[tuple[str, str], ...]:
-        """One equation."""
-        return (("drive", "m"),)
+    def holonomic_rows(self, units: Mapping[str, str]) -> tuple[tuple[str, str], ...]:
+        """One equation, in the unit of the coordinate."""
+        return (("drive", units[self.coordinate]),)
 
     @property
     def coordinates(self) -> tuple[str, ...]:

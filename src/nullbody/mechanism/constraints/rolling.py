@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -39,8 +39,7 @@ class RollingDisc(AbstractConstraint):
     axis: Axis = "x"
     plane: Placement = field(default_factory=Placement)
 
-    @property
-    def holonomic_rows(self) -> tuple[tuple[str, str], ...]:
+    def holonomic_rows(self, units: Mapping[str, str]) -> tuple[tuple[str, str], ...]:
         """The height."""
         return (("height", "m"),)
 
@@ -110,8 +109,7 @@ class KnifeEdge(AbstractConstraint):
     on: Placement = field(default_factory=Placement)
     axis: Axis = "y"
 
-    @property
-    def holonomic_rows(self) -> tuple[tuple[str, str], ...]:
+    def holonomic_rows(self, units: Mapping[str, str]) -> tuple[tuple[str, str], ...]:
         """None."""
         return ()
 
