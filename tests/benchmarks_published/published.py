@@ -2,27 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from functools import cache
-from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from nullbody import Model, Trajectory, build, catalog, derive, simulate
 from nullbody.kinematics import consistent
+from nullbody.report.reference import reference
 from nullbody.typing import FloatArray
 
 __all__ = ["begun", "moved", "reference"]
-
-DATA = Path(__file__).parent.parent / "data" / "published"
-
-
-@cache
-def reference(name: str, motion: str) -> dict[str, FloatArray]:
-    """Times t and columns of one motion of a file in tests/data/published."""
-    motions = json.loads((DATA / f"{name}.json").read_text(encoding="utf-8"))["motions"]
-    return {column: np.array(values) for column, values in motions[motion].items()}
 
 
 @cache

@@ -12,7 +12,7 @@ from nullbody.report.draw import draw
 from nullbody.report.output import usable_folder
 from nullbody.report.picture import robot_picture
 
-__all__ = ["draw_catalog"]
+__all__ = ["draw_catalog", "picture_pose"]
 
 
 def draw_catalog(folder: str | Path, *names: str) -> list[Path]:
@@ -30,10 +30,10 @@ def _drawn(entry: Entry, folder: Path) -> Path:
         return robot_picture(folder / entry.picture)
     model = build(derive(MODELS[entry.name](**entry.arguments)))
     azimuth, elevation = entry.view
-    return draw(model, _pose(model, entry), folder / entry.picture, azimuth=azimuth, elevation=elevation)
+    return draw(model, picture_pose(model, entry), folder / entry.picture, azimuth=azimuth, elevation=elevation)
 
 
-def _pose(model: Model, entry: Entry) -> State:
+def picture_pose(model: Model, entry: Entry) -> State:
     """The entry's coordinates: held where they are independent, else the start from which the loops are closed."""
     held = {name: value for name, value in entry.pose.items() if name in (*model.independent, *entry.task)}
     return assemble(model, held, guess=entry.pose)

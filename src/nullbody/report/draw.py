@@ -23,7 +23,7 @@ from nullbody.typing import FloatArray
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["draw", "draw_mechanism"]
+__all__ = ["draw", "draw_into", "draw_mechanism"]
 
 _FORMATS = (".png", ".svg", ".pdf")
 _PARALLEL = 1e-9  # 1 - |cosine| of two axes that are one direction
@@ -66,14 +66,26 @@ def draw_mechanism(
     """
     if Path(path).suffix not in _FORMATS:
         raise OutputError(f"{path} cannot be written: its name must end in {', '.join(_FORMATS)}")
-    given = skeleton(mechanism, values, q)
-    view = _view(given, np.radians(azimuth), np.radians(elevation))
     with drawing(5.6, 4.0) as canvas:
-        axes = canvas.subplots()
-        _Drawing(axes, view).draw(shapes(given, plane=_normal(given) is not None), given)
+        draw_into(canvas.subplots(), mechanism, values, q, azimuth=azimuth, elevation=elevation)
         with written(Path(path)) as temporary:
             save(canvas, temporary)
     return Path(path)
+
+
+def draw_into(
+    axes: Axes,
+    mechanism: Mechanism,
+    values: Mapping[str, float],
+    q: Mapping[str, float],
+    *,
+    azimuth: float = 25.0,
+    elevation: float = 22.0,
+) -> None:
+    """The same into axes of a larger figure."""
+    given = skeleton(mechanism, values, q)
+    view = _view(given, np.radians(azimuth), np.radians(elevation))
+    _Drawing(axes, view).draw(shapes(given, plane=_normal(given) is not None), given)
 
 
 def _normal(given: Skeleton) -> FloatArray | None:

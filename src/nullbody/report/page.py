@@ -36,7 +36,7 @@ REPRODUCTION = Cover(
     "This page redoes the evidence of a 2020 paper on modelling a 3-PRS parallel robot by the null space of its "
     "constraint Jacobian (natural orthogonal complement). Every number was computed on this machine when the page was "
     "made; only those marked as the paper's or as a reference are quoted. Equation and figure numbers in brackets are "
-    "the paper's.",
+    "the paper's. The last three sections leave the paper: other mechanisms, singularities, published benchmarks.",
 )
 
 

@@ -37,8 +37,9 @@ def plant_motion(
     times: FloatArray,
     u: Callable[[float, State], FloatArray],
     rtol: float = 1e-9,
+    reach: float = _LOST,
 ) -> Motion:
-    """Integrate an engine from a state, at the given times, until a slider has run away.
+    """Integrate an engine from a state, at the given times, until an independent coordinate has run away.
 
     Args:
         engine: whose accelerations are integrated.
@@ -47,6 +48,7 @@ def plant_motion(
         times: where the motion is stored; the first is the start [s].
         u: inputs u(t, x).
         rtol: of DOP853.
+        reach: how far from its start a coordinate may go [m, rad].
     """
     from scipy.integrate import solve_ivp
 
@@ -59,7 +61,7 @@ def plant_motion(
         return np.concatenate([q_dot, engine.forward_dynamics(q, q_dot, u(t, x))[0]])
 
     def lost(t: float, y: FloatArray) -> float:
-        return _LOST - float(np.abs(y[free] - start.q[free]).max())
+        return reach - float(np.abs(y[free] - start.q[free]).max())
 
     lost.terminal = True  # type: ignore[attr-defined]
     y0 = np.concatenate([start.q, model.velocity(start)])

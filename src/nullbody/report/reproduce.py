@@ -16,6 +16,8 @@ from nullbody.report.appendix import appendix
 from nullbody.report.case import Settings, paper_case
 from nullbody.report.equation import equation
 from nullbody.report.erratum import erratum
+from nullbody.report.literature import literature
+from nullbody.report.mechanisms import catalog_times, mechanisms
 from nullbody.report.motion import motion
 from nullbody.report.null_space import heats, measured_null_spaces, null_space
 from nullbody.report.output import usable_folder, write_texts
@@ -25,12 +27,13 @@ from nullbody.report.residual import residual
 from nullbody.report.robot import robot
 from nullbody.report.run import simulated_runs
 from nullbody.report.section import Section, Verdict
+from nullbody.report.singular import singular
 from nullbody.report.summary import summary_text
 from nullbody.report.tracking import tracking
 
 __all__ = ["reproduce", "sections"]
 
-_STEPS = 14  # named by `sections`
+_STEPS = 18  # named by `sections`
 _PACKAGES = ("numpy", "scipy", "llvmlite", "matplotlib", "sympy", "mujoco", "pin")
 
 
@@ -69,6 +72,8 @@ def sections(settings: Settings, step: Callable[[str], None] = lambda name: None
     case = paper_case(settings)
     step("timing null spaces")
     timed = measured_null_spaces(settings)
+    step("timing the catalog")
+    times = catalog_times()
     race = Race(heats(settings)).start()
     try:
         runs = simulated_runs(case, step)
@@ -84,13 +89,19 @@ def sections(settings: Settings, step: Callable[[str], None] = lambda name: None
         wrong = erratum(case)
         step("comparing with engines")
         compared = agreement(case)
+        step("any mechanism")
+        others = mechanisms(settings, times)
+        step("through singularities")
+        through = singular(case)
+        step("published benchmarks")
+        known = literature()
         step("waiting for the symbolic baselines")
         laps = race.results()
     except BaseException:
         race.stop()
         raise
     step("writing the page")
-    return [*first, null_space(timed, laps), moved, tracked, closed, wrong, compared]
+    return [*first, null_space(timed, laps), moved, tracked, closed, wrong, compared, others, through, known]
 
 
 def _verdicts(made: list[Section]) -> dict[str, int]:
