@@ -13,6 +13,7 @@ from nullbody.kinematics.assemble import assemble, known_coordinates, start_coor
 from nullbody.kinematics.newton import close_loops
 from nullbody.mechanism import Free
 from nullbody.model import Model, State
+from nullbody.tolerances import GIVEN_CLOSED
 from nullbody.typing import FloatArray, IndexArray
 
 __all__ = ["Branches", "branches", "inverse_kinematics"]
@@ -147,8 +148,9 @@ def _random_starts(
 
 
 def _right_way(model: Model, q: FloatArray) -> bool:
-    """Whether no loop is closed with an axis reversed."""
-    return bool((model.evaluate("facing", q)[0] > 0).all())
+    """Whether no loop is closed with an axis reversed, and no equation open that no coordinate changes."""
+    facing, repeated = model.evaluate("facing", q)[0], model.evaluate("redundant", q)[0]
+    return bool((facing > 0).all()) and bool(np.abs(repeated).max(initial=0.0) <= GIVEN_CLOSED)
 
 
 def _wrapped(model: Model, q: FloatArray) -> FloatArray:

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from nullbody.errors import InputError, SingularityError
+from nullbody.errors import SingularityError
 from nullbody.kinematics import regular_chart, regularity
 from nullbody.kinematics.newton import closed_to
 from nullbody.model import Model, State
 from nullbody.model.scale import coordinate_scales
 from nullbody.simulate.crossing import crossed_at, landed, leap_over, leap_piece
-from nullbody.simulate.event import Event, Happened, first_crossing
+from nullbody.simulate.event import Crossing, Event, Happened, accumulating, changed, first_crossing
 from nullbody.simulate.motion import Input, Motion
 from nullbody.simulate.outcome import Outcome
 from nullbody.simulate.piece import Piece, Run
@@ -76,6 +76,7 @@ class Integration:
         self._least_doubt = np.inf  # seen so far in this chart
         self._leaping = False
         self._failed = 0  # steps in a row
+        self._happened: tuple[Event, ...] = ()  # at the last knot
 
     def run(self, state: State, t0: float, t1: float, advance: Callable[[float], None]) -> Run:
         """Step until t1, or until something named in `Outcome` stops it."""
@@ -151,9 +152,9 @@ class Integration:
             solver.f = motion.rate(solver.t, y)
         motion.closing = beside
         advance(float(solver.t))
-        event = first_crossing(self.settings.events, t0, piece.t1, lambda t: motion.state(t, piece.y(t)))
-        if event is not None:
-            return self._at_event(run, piece, *event, t1)
+        crossing = self._crossing(piece)
+        if crossing is not None:
+            return self._at_event(run, piece, crossing, t1)
         run.outcome, run.note = self._inspected(motion, solver.t, y, open_by)
         if not run.outcome.ok:
             return None
@@ -257,9 +258,9 @@ class Integration:
         run.pieces.append(piece)
         run.knots.append((leap.end, motion, y))
         run.crossings += 1
-        event = first_crossing(self.settings.events, leap.begin, leap.end, lambda t: motion.state(t, piece.y(t)))
-        if event is not None:
-            return self._at_event(run, piece, *event, t1) or _ENDED
+        crossing = self._crossing(piece)
+        if crossing is not None:
+            return self._at_event(run, piece, crossing, t1) or _ENDED
         return self._solver(motion, leap.end, y, t1, h)
 
     # -- ends -----------------------------------------------------------------------------------------------
@@ -306,33 +307,47 @@ class Integration:
 
     # -- events ---------------------------------------------------------------------------------------------
 
-    def _at_event(self, run: Run, piece: Piece, t: float, event: Event, t1: float) -> Any:
-        """Cut the step at the event and end there, or go on from the state that the event makes."""
+    def _crossing(self, piece: Piece) -> Crossing | None:
+        """The first events within a step."""
+        happened, self._happened = self._happened, ()
         motion = piece.motion
+        return first_crossing(self.settings.events, piece.t0, piece.t1, lambda t: motion.state(t, piece.y(t)), happened)
+
+    def _at_event(self, run: Run, piece: Piece, crossing: Crossing, t1: float) -> Any:
+        """Cut the step at the events and end there, or go on from the state that they make."""
+        motion, t = piece.motion, crossing.t
         y = piece.y(t)
         state = motion.state(t, y)
-        run.events.append(Happened(event.name, t, state))
+        run.events += [Happened(event.name, t, state) for event in crossing.events]
         run.pieces[-1] = Piece(piece.t0, t, motion, piece.interpolant)
         run.knots[-1] = (t, motion, y)
-        if event.terminal:
-            run.outcome, run.note = Outcome.EVENT, f" ({event.name!r})"
+        self._happened = crossing.events
+        terminal = [event.name for event in crossing.events if event.terminal]
+        if terminal:
+            run.outcome, run.note = Outcome.EVENT, f" ({', '.join(map(repr, terminal))})"
             return None
-        if event.then is None:
-            return self._solver(motion, t, y, t1) if t < t1 else None
-        after = event.then(t, state)
-        if not isinstance(after, State):
-            raise InputError(f"event {event.name!r}: then(t, x) must give a State, not {type(after).__name__}")
-        chart = self.model if after.independent == self.model.independent else self.model.in_chart(after.independent)
-        onward = self._motion(chart)
-        q_dot = onward.full(t, np.concatenate([self.model.own(after).q, after.v, [0.0]])).q_dot
-        onward = self._motion(motion.chart)
-        start = onward.start(t, after.q.copy(), q_dot, float(y[-1]))
+        if len(run.pieces) >= self.settings.max_steps and t < t1:
+            run.outcome, run.note = Outcome.TOO_MANY_STEPS, f" ({len(run.pieces)} steps, {len(run.events)} events)"
+            return None
+        often = next((event.name for event in crossing.events if accumulating(run.events, event)), None)
+        if often is not None:
+            run.outcome, run.note = Outcome.EVENTS_ACCUMULATE, f" ({often!r}, {len(run.events)} events)"
+            return None
+        after = state
+        for event in crossing.events:
+            after = changed(self.model, event, t, after)
+        if after is not state:
+            y = self._restarted(motion, t, y, after)
+            run.knots.append((t, motion, y))
+        return self._solver(motion, t, y, t1) if t < t1 else None
+
+    def _restarted(self, motion: Motion, t: float, y: FloatArray, after: State) -> FloatArray:
+        """y at the state that events made; what they take or give counts as work."""
+        q_dot = self.model.velocity(after)
+        start = motion.start(t, after.q.copy(), q_dot, float(y[-1]))
         before = sum(motion.energy(t, motion.full(t, y)))
-        start[-1] += (
-            sum(onward.energy(t, onward.full(t, start))) - before
-        )  # what the event takes or gives counts as work
-        run.knots.append((t, onward, start))
-        return self._solver(onward, t, start, t1) if t < t1 else None
+        start[-1] += sum(motion.energy(t, motion.full(t, start))) - before
+        return start
 
 
 def _usual(run: Run, piece: Piece) -> float:

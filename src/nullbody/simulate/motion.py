@@ -134,7 +134,9 @@ class Motion:
 
     def _input(self, t: float, y: FloatArray) -> FloatArray:
         given = self.u(t, self.state(t, y)) if callable(self.u) else self.u
-        return given if self._limits is None else np.clip(given, *self._limits)
+        if self._limits is None or not np.isfinite(given).all():
+            return given
+        return np.clip(given, *self._limits)
 
     def _kinematics(self, t: float, y: FloatArray) -> tuple[FloatArray, ...]:
         return self.chart.evaluate("kinematics", y[: self.nq], y[self.nq : self.nq + self.nv], t=t)

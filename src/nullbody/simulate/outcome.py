@@ -32,6 +32,10 @@ class Outcome(Enum):
     TOO_MANY_STEPS = (
         "the limit on steps was reached: the motion is stiff. Try method='stiff', raise max_steps, or loosen rtol"
     )
+    EVENTS_ACCUMULATE = (
+        "an event happens ever more often, such as the last bounces of a ball: infinitely many before a time that is "
+        "not reached. End the simulation there with a terminal event, or let `then` bring the motion to rest"
+    )
     NOT_FINITE = "an input or an acceleration is not finite. Check u(t, x)"
     LOOPS_OPEN = "the loops could not be closed again after a step: the motion reached a configuration singularity"
 

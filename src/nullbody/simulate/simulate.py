@@ -12,6 +12,7 @@ import numpy as np
 
 from nullbody.errors import InputError, SimulationError, StateError, UnknownName
 from nullbody.model import Model, State, checked_model, vector
+from nullbody.model.check import check_facing, check_redundant
 from nullbody.simulate.event import Event
 from nullbody.simulate.integration import Integration, Settings
 from nullbody.simulate.motion import Full, Motion
@@ -64,7 +65,8 @@ def simulate(
 
     Raises:
         InputError: wrong times, tolerances or inputs.
-        StateError: the start does not close the loops of this model.
+        StateError: the start does not close the loops of this model, or an event makes a state that does not.
+        AssemblyError: the loops can never close for these parameter values.
         SimulationError: the end was not reached; `.trajectory` holds what was, with its Outcome.
     """
     began = time.perf_counter()
@@ -92,12 +94,16 @@ def simulate(
 def _check(model: Model, state: object, t0: float, t1: float, rtol: float) -> None:
     if not isinstance(state, State) or state.coordinates != model.coordinates:
         raise InputError("simulate starts from a State of the same model: use model.state(q, v) or assemble(...)")
+    if not (np.isfinite(state.q).all() and np.isfinite(state.v).all()):
+        raise StateError("the start is not finite")
     residual = float(np.abs(model.residual(state.q, t0)).max(initial=0.0))
     if not residual <= GIVEN_CLOSED:
         raise StateError(
             f"the start is off the constraint manifold by {residual:.3g} m: was it made by a model with other "
             "parameters? nullbody.assemble(model, {...}, guess=state) closes the loops for these"
         )
+    check_redundant(model, state.q, t0)
+    check_facing(model, state.q, t0)
     if not (np.isfinite(t0) and np.isfinite(t1) and t1 > t0):
         raise InputError(f"the end time t1 = {t1} must be finite and after the start t0 = {t0}")
     if not _TIGHTEST <= rtol <= 0.1:
@@ -105,6 +111,8 @@ def _check(model: Model, state: object, t0: float, t1: float, rtol: float) -> No
 
 
 def _events(events: Sequence[Event]) -> tuple[Event, ...]:
+    if not isinstance(events, list | tuple):
+        raise InputError(f"events must be a list of nullbody.Event, not {events!r:.80}")
     for event in events:
         if not isinstance(event, Event):
             raise InputError(f"events are nullbody.Event, not {event!r}")
@@ -129,6 +137,8 @@ def _options(options: dict[str, Any], rtol: float) -> dict[str, Any]:
             _number(**{name: value})
             if name != "t0" and not value > 0:
                 raise InputError(f"{name} must be positive, not {value}")
+        if name == "switch" and not isinstance(value, bool):
+            raise InputError(f"switch must be True or False, not {value!r}")
     return {**known, **options}
 
 
