@@ -6,7 +6,7 @@ interpolant is continued to right behind, where the loops are closed again and t
 
     t0 ---- step ---- t_s - w | t_s | t_s + w ---- on,        w = 1/20 of the way to t_s
 
-The distance is measured by 1/sqrt(doubt), the determinants against the lengths of their columns.
+The distance is measured by the smallest singular value of A against the largest.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from nullbody.kinematics import regularity
 from nullbody.simulate.piece import Piece
 from nullbody.typing import FloatArray
 
@@ -39,8 +40,8 @@ def crossed_at(piece: Piece, h: float) -> float | None:
     """The time within a step, or up to 0.3 h after it, at which the distance from a singularity passes through zero."""
 
     def distance(t: float) -> float:
-        doubt = piece.motion.measures(t, np.asarray(piece.interpolant(t)))[3]
-        return 1 / float(np.sqrt(doubt)) if np.isfinite(doubt) and doubt > 0 else 0.0
+        left = regularity(piece.motion.chart, np.asarray(piece.interpolant(t))[: piece.motion.nq], t)
+        return left if np.isfinite(left) else 0.0
 
     times = np.linspace(piece.t0, piece.t1, _LOOKS + 1)
     values = [distance(float(t)) for t in times]

@@ -27,6 +27,10 @@ _ENDED = object()  # instead of an integrator: the simulation is over
 _CLOSER = 5.0  # by which doubt has grown from its least value where another look at A is due
 _BESIDE = 0.5  # regularity of A against that at the start, below which a configuration singularity may be near
 _NEAR = 1e-3  # likewise, below which a simulation that cannot go on has met one
+_SHORTER = 0.5  # of the longest recent step, below which a step is looked at
+_SUDDEN = 1e-3  # of the longest step, below which it is looked at whether a configuration singularity has been met
+_WITHIN = 1e9  # doubt from which a configuration singularity may have been met
+_DECIDED = 1e-6  # regularity of A against that at the start, below which rounding decides how the motion goes on
 _SHORT = 0.2  # of the longest recent step: rounding beside a singularity makes steps shorter than that
 _RECENT = 6  # steps
 _LOST = 1e-9  # regularity of A below which it has lost rank, wherever it began
@@ -75,6 +79,7 @@ class Integration:
         self._first = 1.0  # regularity of A at the start
         self._least_doubt = np.inf  # seen so far in this chart
         self._leaping = False
+        self._longest = 0.0  # step so far
         self._failed = 0  # steps in a row
         self._happened: tuple[Event, ...] = ()  # at the last knot
 
@@ -138,7 +143,7 @@ class Integration:
             return earlier
         self._failed = 0
         piece = Piece(t0, float(solver.t), motion, solver.dense_output())
-        beside = self._beside(motion, piece.t1, solver.y)
+        beside = self._beside(run, piece, solver.y)
         if (beside or motion.closing) and not self._leaping:
             h = _usual(run, piece)
             t_s = crossed_at(piece, h)
@@ -146,6 +151,8 @@ class Integration:
                 leapt = self._leap(run, h, t_s, t1, advance)
                 if leapt is not None:
                     return leapt
+        self._longest = max(self._longest, piece.t1 - t0)
+        short = piece.t1 - t0 < _SUDDEN * self._longest
         y, open_by = run.add(piece, solver.y)
         if y is not solver.y:
             solver.y = y
@@ -155,7 +162,7 @@ class Integration:
         crossing = self._crossing(piece)
         if crossing is not None:
             return self._at_event(run, piece, crossing, t1)
-        run.outcome, run.note = self._inspected(motion, solver.t, y, open_by)
+        run.outcome, run.note = self._inspected(motion, solver.t, y, open_by, short=short)
         if not run.outcome.ok:
             return None
         if len(run.pieces) >= self.settings.max_steps and solver.t < t1:
@@ -219,13 +226,15 @@ class Integration:
 
     # -- configuration singularities ------------------------------------------------------------------------
 
-    def _beside(self, motion: Motion, t: float, y: FloatArray) -> bool:
-        """Whether A itself is about to lose rank."""
+    def _beside(self, run: Run, piece: Piece, y: FloatArray) -> bool:
+        """Whether A itself is about to lose rank: looked at where determinants fall or steps become short."""
         if not self.settings.switch:
             return False
+        motion, t = piece.motion, piece.t1
         doubt = motion.measures(t, y)[3]
         self._least_doubt = min(self._least_doubt, doubt)
-        if doubt < _CLOSER * self._least_doubt:
+        short = t - piece.t0 < _SHORTER * _longest_of(run.pieces)
+        if doubt < _CLOSER * self._least_doubt and not short:
             return False
         return regularity(motion.chart, y[: motion.nq], t) < _BESIDE * self._first
 
@@ -289,15 +298,23 @@ class Integration:
             return self._singular(motion, delta, spread)
         return Outcome.STEP_TOO_SMALL, f" ({message})" if message else ""
 
-    def _inspected(self, motion: Motion, t: float, y: FloatArray, open_by: float) -> tuple[Outcome, str]:
+    def _inspected(
+        self, motion: Motion, t: float, y: FloatArray, open_by: float, *, short: bool
+    ) -> tuple[Outcome, str]:
         """Whether to go on after a step."""
         q = y[: motion.nq]
         if not open_by <= CLOSED_STEP and not open_by <= 10 * closed_to(motion.chart.jacobian(q, t), q):
             return Outcome.LOOPS_OPEN, f" (|Phi| = {open_by:.1e} m)"
+        _, delta, spread, doubt = motion.measures(t, y)
         if not self.settings.switch:
-            _, delta, spread, _ = motion.measures(t, y)
             if not spread < SIMULATED_SPREAD:
                 return self._singular(motion, delta, spread)
+        elif not self._leaping and (not doubt < _WITHIN or short):
+            left = regularity(motion.chart, q, t)
+            if left < _DECIDED * self._first:
+                return Outcome.CONFIGURATION_SINGULARITY, (
+                    f" (smallest singular value of A {left:.1e} of the largest: rounding would decide the way on)"
+                )
         return Outcome.COMPLETED, ""
 
     def _singular(self, motion: Motion, delta: float, spread: float) -> tuple[Outcome, str]:
@@ -353,8 +370,13 @@ class Integration:
 def _usual(run: Run, piece: Piece) -> float:
     """The length of a step, or that of the longest recent one where this one is much shorter."""
     h = piece.t1 - piece.t0
-    longest = max((p.t1 - p.t0 for p in run.pieces[-_RECENT:]), default=0.0)
+    longest = _longest_of(run.pieces)
     return longest if h < _SHORT * longest else h
+
+
+def _longest_of(pieces: Sequence[Piece]) -> float:
+    """The length of the longest recent step; 0 without one."""
+    return max((p.t1 - p.t0 for p in pieces[-_RECENT:]), default=0.0)
 
 
 def _may_go(pieces: Sequence[Piece], motion: Motion) -> bool:

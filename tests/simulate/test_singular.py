@@ -1,0 +1,44 @@
+"""Motions that meet configuration singularities: passed on the same way at every tolerance, or ended by name."""
+
+import numpy as np
+import pytest
+
+import nullbody
+from nullbody.simulate import Outcome
+from nullbody.verify.sample import admissible_states
+
+
+def test_slider_crank_that_touches_its_limit() -> None:
+    # e = l - r: at theta = -90 degrees the coupler stands on the rail's normal, and A loses rank
+    model = nullbody.build(nullbody.derive(nullbody.catalog.slider_crank(r=0.1, l=0.35, e=0.25)))
+    start = nullbody.assemble(model, {"theta": 1.0}, v=[2.0])
+    runs = [nullbody.simulate(model, start, 3.0, rtol=rtol) for rtol in (1e-9, 1e-10, 1e-12)]
+    assert [run.statistics.crossings for run in runs] == [3, 3, 3]
+    for run in runs:
+        np.testing.assert_allclose(run.q[-1], runs[-1].q[-1], atol=2e-5)
+        assert run.statistics.energy_drift < 1e-6
+    stiff = nullbody.simulate(model, start, 3.0, rtol=1e-7, method="stiff")
+    np.testing.assert_allclose(stiff.q[-1], runs[-1].q[-1], atol=1e-3)
+
+
+def test_three_prs_in_free_fall_goes_one_way() -> None:
+    model = nullbody.build(nullbody.derive(nullbody.catalog.three_prs()))
+    start = admissible_states(model, 4, seed=3)[3]
+    ends = []
+    for rtol in (1e-9, 1e-10, 1e-11):
+        run = nullbody.simulate(model, start, 0.6, rtol=rtol, throw=False)
+        assert run.outcome in (Outcome.COMPLETED, Outcome.CONFIGURATION_SINGULARITY)
+        if run.outcome is Outcome.COMPLETED:
+            ends.append(run.q[-1])
+    assert len(ends) >= 2
+    for end in ends:
+        np.testing.assert_allclose(end, ends[0], atol=1e-4)
+
+
+@pytest.mark.parametrize("v", [(0.1, 0.05, -0.1), (0.2, -0.1, 0.0)])
+def test_no_simulation_creeps_to_a_configuration_singularity(v: tuple[float, ...]) -> None:
+    model = nullbody.build(nullbody.derive(nullbody.catalog.three_prs(), ("s1", "s2", "s3")))
+    start = nullbody.assemble(model, {"s1": 0.6, "s2": 0.6, "s3": 0.6}, v=v)
+    run = nullbody.simulate(model, start, 1.2, throw=False, max_steps=4000)
+    assert run.outcome in (Outcome.COMPLETED, Outcome.CONFIGURATION_SINGULARITY)
+    assert run.statistics.energy_drift < 1e-3
