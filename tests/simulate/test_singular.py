@@ -42,3 +42,34 @@ def test_no_simulation_creeps_to_a_configuration_singularity(v: tuple[float, ...
     run = nullbody.simulate(model, start, 1.2, throw=False, max_steps=4000)
     assert run.outcome in (Outcome.COMPLETED, Outcome.CONFIGURATION_SINGULARITY)
     assert run.statistics.energy_drift < 1e-3
+
+
+def four_bar_with(lengths: tuple[float, float, float, float], driver: str | None = None) -> nullbody.Model:
+    base, *bars = lengths
+    b = nullbody.MechanismBuilder("bars", gravity=(0, -9.81, 0))
+    for name, length in zip(("a", "b", "c"), bars, strict=True):
+        b.rod(name, 1.0, length)
+    b.revolute("A", "ground", "a")
+    b.revolute("B", "a", "b", at=(bars[0], 0, 0))
+    b.revolute("C", "ground", "c", at=(base, 0, 0))
+    b.revolute("D", "b", "c", at=(bars[1], 0, 0), on=(bars[2], 0, 0))
+    b.home(A=1.0, B=-0.5, C=1.5)
+    if driver is not None:
+        b.driver("d", "C", driver)
+    return nullbody.build(nullbody.derive(b.build()))
+
+
+@pytest.mark.parametrize("motion", ["1.7 + 2*t", "1.3 + tan(t)"])
+def test_a_driver_beyond_reach_ends_by_name(motion: str) -> None:
+    model = four_bar_with((0.8, 0.4, 1.0, 0.9), motion)
+    run = nullbody.simulate(model, nullbody.assemble(model, {}), 3.0, throw=False, max_steps=5000)
+    assert run.outcome is Outcome.CONFIGURATION_SINGULARITY
+    assert 0.3 < run.t[-1] < 0.9
+
+
+def test_bars_that_cannot_move_end_by_name() -> None:
+    model = four_bar_with((1.1, 0.2, 0.5, 0.4))  # 0.2 + 0.5 + 0.4 = 1.1: closed in one point only
+    start = nullbody.assemble(model, {}, guess={"A": 0.01, "B": 0.0, "C": 3.14})
+    run = nullbody.simulate(model, start, 1.0, throw=False)
+    assert run.outcome is Outcome.CONFIGURATION_SINGULARITY
+    assert run.t[-1] == 0

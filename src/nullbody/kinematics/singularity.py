@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nullbody.kinematics.chart import regularity
 from nullbody.model import Model, State, checked_model
 from nullbody.typing import FloatArray
 
@@ -16,15 +17,15 @@ __all__ = ["Singularity", "singularity"]
 class Singularity:
     """How far a configuration is from being singular: 0 is singular, 1 is best.
 
-    Each measure is the ratio of the smallest to the largest singular value of columns of A scaled to unit
-    length, so that units of coordinates do not matter.
+    Each measure is the ratio of the smallest to the largest singular value: of columns of A scaled to unit length, so
+    that units of coordinates do not matter, or of A itself in radians and the mechanism's longest lever.
 
     Attributes:
         forward: of the dependent columns B for v = rates of the independent (usually actuated) coordinates.
             0: forward (type II) singularity, the actuators do not hold the mechanism.
         inverse: of the columns of all coordinates but the end effector's. 0: inverse (type I) singularity,
             some motion of the end effector is lost. NaN where no end effector is named.
-        constraint: of the rows of A. 0: the closures depend on each other, a configuration singularity.
+        constraint: of A itself. 0: the closures depend on each other, a configuration singularity.
         delta: |B| itself.
         subspace_error: expected relative error of N, EPS |N|.
     """
@@ -52,7 +53,7 @@ def singularity(model: Model, state: State) -> Singularity:
     return Singularity(
         forward=_ratio(_unit_columns(A[:, dependent])),
         inverse=_ratio(_unit_columns(A[:, others])) if task else float("nan"),
-        constraint=_ratio(_unit_columns(A.T)),
+        constraint=regularity(model, state.q, state.t),
         delta=float(delta),
         subspace_error=float(np.finfo(float).eps * np.sqrt(spread)) if np.isfinite(spread) else float("inf"),
     )

@@ -29,6 +29,8 @@ _BESIDE = 0.5  # regularity of A against that at the start, below which a config
 _NEAR = 1e-3  # likewise, below which a simulation that cannot go on has met one
 _SHORTER = 0.5  # of the longest recent step, below which a step is looked at
 _SUDDEN = 1e-3  # of the longest step, below which it is looked at whether a configuration singularity has been met
+_CREEP = 1e-6  # likewise, below which it will not be passed in any reasonable number of steps
+_UNKNOWN = 1e-7  # regularity of A that loops closed to rounding cannot tell from 0: gaps are quadratic there
 _WITHIN = 1e9  # doubt from which a configuration singularity may have been met
 _DECIDED = 1e-6  # regularity of A against that at the start, below which rounding decides how the motion goes on
 _SHORT = 0.2  # of the longest recent step: rounding beside a singularity makes steps shorter than that
@@ -91,6 +93,10 @@ class Integration:
             self._first = regularity(self.model, state.q, t0)
         motion, y = self._begin(state, t0)
         run = Run([(t0, motion, y)], sum(motion.energy(t0, motion.full(t0, y))))
+        if self._first < _UNKNOWN:
+            run.outcome = Outcome.CONFIGURATION_SINGULARITY
+            run.note = f" (it starts there: smallest singular value of A {self._first:.1e} of the largest)"
+            return run
         if not np.isfinite(motion.rate(t0, y)).all():
             run.outcome, run.note = self._stuck(motion, t0, y, "")
             return run
@@ -145,14 +151,14 @@ class Integration:
         piece = Piece(t0, float(solver.t), motion, solver.dense_output())
         beside = self._beside(run, piece, solver.y)
         if (beside or motion.closing) and not self._leaping:
-            h = _usual(run, piece)
-            t_s = crossed_at(piece, h)
+            usual = _usual(run, piece)
+            t_s = crossed_at(piece, usual)
             if t_s is not None:
-                leapt = self._leap(run, h, t_s, t1, advance)
+                leapt = self._leap(run, usual, t_s, t1, advance)
                 if leapt is not None:
                     return leapt
-        self._longest = max(self._longest, piece.t1 - t0)
-        short = piece.t1 - t0 < _SUDDEN * self._longest
+        h = piece.t1 - t0
+        self._longest = max(self._longest, h)
         y, open_by = run.add(piece, solver.y)
         if y is not solver.y:
             solver.y = y
@@ -162,7 +168,7 @@ class Integration:
         crossing = self._crossing(piece)
         if crossing is not None:
             return self._at_event(run, piece, crossing, t1)
-        run.outcome, run.note = self._inspected(motion, solver.t, y, open_by, short=short)
+        run.outcome, run.note = self._inspected(motion, solver.t, y, open_by, h / self._longest)
         if not run.outcome.ok:
             return None
         if len(run.pieces) >= self.settings.max_steps and solver.t < t1:
@@ -298,10 +304,8 @@ class Integration:
             return self._singular(motion, delta, spread)
         return Outcome.STEP_TOO_SMALL, f" ({message})" if message else ""
 
-    def _inspected(
-        self, motion: Motion, t: float, y: FloatArray, open_by: float, *, short: bool
-    ) -> tuple[Outcome, str]:
-        """Whether to go on after a step."""
+    def _inspected(self, motion: Motion, t: float, y: FloatArray, open_by: float, length: float) -> tuple[Outcome, str]:
+        """Whether to go on after a step of some length, against the longest so far."""
         q = y[: motion.nq]
         if not open_by <= CLOSED_STEP and not open_by <= 10 * closed_to(motion.chart.jacobian(q, t), q):
             return Outcome.LOOPS_OPEN, f" (|Phi| = {open_by:.1e} m)"
@@ -309,9 +313,9 @@ class Integration:
         if not self.settings.switch:
             if not spread < SIMULATED_SPREAD:
                 return self._singular(motion, delta, spread)
-        elif not self._leaping and (not doubt < _WITHIN or short):
+        elif not self._leaping and (not doubt < _WITHIN or length < _SUDDEN):
             left = regularity(motion.chart, q, t)
-            if left < _DECIDED * self._first:
+            if left < (_NEAR if length < _CREEP else _DECIDED) * self._first:
                 return Outcome.CONFIGURATION_SINGULARITY, (
                     f" (smallest singular value of A {left:.1e} of the largest: rounding would decide the way on)"
                 )
