@@ -139,7 +139,11 @@ WRONG = [
     ('<mass value="2"/>', "", ModelFileError, "<inertial>: it needs one <mass>, not 0"),
     ('mass value="2"', 'mass value="-2"', nullbody.ParameterError, "'l1' would have the mass -2 kg"),
     ('ixx="0.3"', 'ixx="3"', nullbody.ParameterError, "'l1' would have the principal moments"),
-    ('name="j2"', 'name="j1"', MechanismError, "line 16, <joint name='j1'>: the joint name 'j1' is taken"),
+    ('<link name="l3">', '<link name="l2">', ModelFileError, "<link name='l2'>: there is another link of this name"),
+    ('<origin xyz="0 0 0.2"/>', "<origin/><origin/>", ModelFileError, "<inertial> has one <origin>, not 2"),
+    ('<axis xyz="1 0 0"/>', '<axis xyz="1 0 0"/><axis/>', ModelFileError, "<joint name='j2'> has one <axis>, not 2"),
+    ('<link name="l2">', '<link name="l2"><inertial/>', ModelFileError, "<link name='l2'> has one <inertial>, not 2"),
+    ('name="j2"', 'name="j1"', ModelFileError, "line 16, <joint name='j1'>: there is another joint of this name"),
     ('xyz="0 0.6 0.8"', 'xyz="0 0 0"', MechanismError, "line 13, <joint name='j1'>: .*points nowhere"),
     ("<material", "<xacro/><material", ModelFileError, "<xacro> is not known here; expand xacro files first"),
     ('child link="l1"', 'child link="l3"', MechanismError, "closes a circle|exactly one|not connected"),
@@ -183,3 +187,18 @@ def test_unknown_options_and_actuators() -> None:
         read_urdf(ARM, actuators=["j9"])
     with pytest.raises(ModelFileError, match="a YAML file takes no option"):
         nullbody.read_model("name: x\n", loops=[])
+
+
+LISTS = "actuators is a list of names|loops are a list|expected a text|no option 'x'; it takes: loops, actuators"
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        *({"x": 1}, {"loops": None}, {"loops": 3}, {"loops": "pin"}, {"loops": [{**PIN, "parent": []}]}),
+        *({"actuators": None}, {"actuators": 3}, {"actuators": "j1"}, {"actuators": [[]]}),
+    ],
+)
+def test_options_that_are_no_lists(options) -> None:
+    with pytest.raises(nullbody.InputError, match=LISTS):
+        nullbody.read_model(ARM, **options)

@@ -230,7 +230,7 @@ def test_garbage_is_refused_within_seconds(kind: str, suffix: str, tmp_path: Pat
 
 def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
     for source in (tmp_path, tmp_path / "none.yaml", "none.yaml", "x" * 5000, "a\0b.yaml"):
-        with pytest.raises(ModelFileError, match=r"no such file|cannot be read"):
+        with pytest.raises(ModelFileError, match=r"no such file|cannot be read|this is a directory"):
             nullbody.read_model(source)
     other = tmp_path / "model.json"
     other.write_text("{}")
@@ -250,3 +250,12 @@ def test_a_type_of_ones_own_cannot_be_written() -> None:
     made = Mechanism("m", (Body("a", 1, (0, 0, 0), (1, 1, 1)),), (Mine("j", "ground", "a", ("q",)),))
     with pytest.raises(MechanismError, match="'j' is a Mine: a model file knows revolute"):
         write_yaml(made)
+
+
+def test_an_angle_is_given_once() -> None:
+    at = "{rotations: [{axis: x, degrees: 1, radians: 1}]}"
+    text = f"name: p\nbodies: {{a: {{mass: 1}}}}\njoints: {{q: {{type: weld, parent: ground, child: a, at: {at}}}}}\n"
+    with pytest.raises(ModelFileError, match=r"joints\.q\.at\.rotations\.0: give degrees or radians"):
+        nullbody.read_model(text)
+    with pytest.raises(ModelFileError, match="this is a directory"):
+        nullbody.read_model(Path(__file__).parent)

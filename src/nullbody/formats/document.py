@@ -64,6 +64,8 @@ def document(source: Source) -> Document:
     path = Path(source)
     name = str(path)
     try:
+        if path.is_dir():
+            raise ModelFileError("this is a directory: give the path of a file in it", file=name)
         if not path.is_file():
             raise ModelFileError("there is no such file; give a path to a .yaml, .xml or .urdf file", file=name)
         size = path.stat().st_size

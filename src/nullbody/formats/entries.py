@@ -29,6 +29,7 @@ def add_joint_entries(
     """
     from nullbody.formats.yaml_reader import checked_joints, fill
 
+    _check_collection(given)
     entries: dict[str, Any] = {}
     pairs = given.items() if isinstance(given, Mapping) else ((None, entry) for entry in given)
     for key, entry in pairs:
@@ -39,9 +40,15 @@ def add_joint_entries(
             raise ModelFileError(f"a loop needs a name: {dict(entry)!r}", file="loops")
         if name in entries:
             raise ModelFileError(f"two loops have the name {name!r}", file="loops")
-        renamed = {end: bodies.get(entry[end], entry[end]) for end in ("parent", "child") if end in entry}
+        ends = [end for end in ("parent", "child") if isinstance(entry.get(end), str)]
+        renamed = {end: bodies.get(entry[end], entry[end]) for end in ends}
         entries[name] = {k: v for k, v in entry.items() if k != "name"} | renamed
     checked = checked_joints(entries)
     for name, entry in checked["joints"].items():
         closes = {} if entry["type"] in ("distance", "point_on_line", "point_on_plane") else {"loop": True}
         fill(builder, {"joints": {name: {**entry, **closes}}}, lambda *_: lambda error: error)
+
+
+def _check_collection(given: Any) -> None:
+    if isinstance(given, str) or not isinstance(given, Mapping | Sequence):
+        raise ModelFileError(f"loops are a list of mappings, or name -> mapping, not {given!r}", file="loops")

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
+from nullbody.errors import MechanismError
 from nullbody.formats.look import add_look
 from nullbody.formats.mjcf_writer_parts import Parts
 from nullbody.formats.mjcf_writer_tree import Tree, mjcf_numbers
@@ -21,6 +23,8 @@ _COMPILER = {
     "boundmass": "0",
     "boundinertia": "0",
 }
+
+_NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # XML has no word for these
 
 
 def write_mjcf(mechanism: Mechanism, values: Mapping[str, float] | None = None) -> str:
@@ -43,8 +47,9 @@ def write_mjcf(mechanism: Mechanism, values: Mapping[str, float] | None = None) 
 
     Raises:
         UnknownName, ParameterError: unknown or non-physical values.
-        MechanismError: a massless body that cannot be merged, a name that MuJoCo reserves, or a joint, constraint or
-            load that MuJoCo has no word for; the message names it.
+        MechanismError: a massless body that cannot be merged, a name that MuJoCo reserves or XML cannot hold, a
+            chain of more than 496 bodies, or a joint, constraint or load that MuJoCo has no word for (friction with a
+            speed other than 0.001 is one); the message names it.
     """
     checked = mechanism.values(values)
     root = Element("mujoco", model=mechanism.name)
@@ -59,4 +64,9 @@ def write_mjcf(mechanism: Mechanism, values: Mapping[str, float] | None = None) 
     qpos = mjcf_numbers(home[name] for name in tree.order)
     SubElement(SubElement(root, "keyframe"), "key", name="home", qpos=qpos)
     indent(root)
-    return tostring(root, encoding="unicode") + "\n"
+    text = tostring(root, encoding="unicode") + "\n"
+    wrong = _NO_XML.search(text)
+    if wrong:
+        around = text[max(0, wrong.start() - 20) : wrong.start() + 20]
+        raise MechanismError(f"the character {wrong[0]!r} cannot stand in XML, in {around!r}: take it out of that name")
+    return text

@@ -10,6 +10,7 @@ __all__ = ["Classes"]
 
 _ACTUATORS = ("motor", "general", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion")
 _ALIASES = {**dict.fromkeys(_ACTUATORS, "general"), "spatial": "tendon", "fixed": "tendon"}  # share their defaults
+_LAW = ("dyntype", "gaintype", "biastype", "gainprm")  # a <motor> has its own: the force is gear times the control
 _Attributes = dict[str, dict[str, str]]  # tag -> attribute -> text
 
 
@@ -46,7 +47,10 @@ class Classes:
         for child in element.children:
             if child.tag != "default":
                 tag = _ALIASES.get(child.tag, child.tag)
-                into.setdefault(tag, {}).update(child.attributes)
+                known = into.setdefault(tag, {})
+                if tag == "general" and child.tag != "general":
+                    _forget_law(known, child.tag)
+                known.update(child.attributes)
 
     def resolved(self, element: XmlElement, around: str | None) -> XmlElement:
         """An element with the attributes of its own class, or of that of the body around it."""
@@ -54,6 +58,11 @@ class Classes:
         if name not in self._classes:
             element.refuse(f"there is no class {name!r}; known: {', '.join(self._classes)}")
         defaults: Mapping[str, str] = self._classes[name].get(_ALIASES.get(element.tag, element.tag), {})
+        if element.tag == "motor":
+            defaults = {key: value for key, value in defaults.items() if key not in _LAW}
+            for key in element.attributes:
+                if key in _LAW:
+                    element.refuse(f"a <motor> has no {key}: write <general>")
         return element.with_defaults(defaults)
 
     def equality(self, element: XmlElement) -> XmlElement:
@@ -62,3 +71,11 @@ class Classes:
         if name not in self._classes:
             element.refuse(f"there is no class {name!r}; known: {', '.join(self._classes)}")
         return element.with_defaults(self._classes[name].get("equality", {}))
+
+
+def _forget_law(known: dict[str, str], tag: str) -> None:
+    """The defaults of actuators after one that brings a law of its own: MuJoCo resets the law, and keeps the rest."""
+    for key in _LAW:
+        known.pop(key, None)
+    if tag != "motor":
+        known["biastype"] = tag  # which is refused where it is used

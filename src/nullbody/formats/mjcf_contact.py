@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -16,7 +17,7 @@ class Surface:
 
     Attributes:
         element: the geom with its defaults.
-        body: that it is fixed on.
+        body: that it is fixed on, by its name in the document, which may be empty.
         welded: the nearest body up the tree that can move, or the ground: geoms of one do not touch each other.
         above: `welded` of what carries that body.
     """
@@ -32,7 +33,7 @@ class Surface:
         return int(self.element.number("contype", 1)), int(self.element.number("conaffinity", 1))
 
 
-def refuse_contacts(root: XmlElement, surfaces: list[Surface], ground: str) -> None:
+def refuse_contacts(root: XmlElement, surfaces: list[Surface], bodies: Collection[str], ground: str) -> None:
     """Raise where MuJoCo would look for contact: <pair>, or two geoms whose masks meet.
 
     Geoms of one body, and of a body and the one that carries it, are left out, as MuJoCo does.
@@ -44,7 +45,7 @@ def refuse_contacts(root: XmlElement, surfaces: list[Surface], ground: str) -> N
     for contact in root.all("contact"):
         for pair in contact.all("pair"):
             pair.refuse(f"contact is not modelled here: take it out{_ADVICE}")
-        apart |= {frozenset((e.text("body1"), e.text("body2"))) for e in contact.all("exclude")}
+        apart |= {_excluded(exclude, bodies) for exclude in contact.all("exclude")}
     family = not any(f.text("filterparent") == "disable" for option in root.all("option") for f in option.all("flag"))
     touching = [surface for surface in surfaces if any(surface.masks)]
     for a, b in combinations(touching, 2):
@@ -56,6 +57,15 @@ def refuse_contacts(root: XmlElement, surfaces: list[Surface], ground: str) -> N
             a.element.refuse(
                 f"it can touch {b.element.place} of line {b.element.line}, and contact is not modelled here{_ADVICE}"
             )
+
+
+def _excluded(exclude: XmlElement, bodies: Collection[str]) -> frozenset[str]:
+    """The two bodies of an <exclude>."""
+    names = [exclude.required(attribute) for attribute in ("body1", "body2")]
+    for name in names:
+        if name not in bodies:
+            exclude.refuse(f"there is no body {name!r}; a body that is excluded needs a name")
+    return frozenset(names)
 
 
 _ADVICE = (

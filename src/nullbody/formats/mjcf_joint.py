@@ -46,12 +46,14 @@ def add_joints(
             if not last:
                 scene.builder.body(child)
                 scene.bodies[f" {child}"] = child  # cannot be named in the document
-            free = free @ _add(scene, joint, (carrier, child), place, len(joints))
+            free = free @ _add(scene, joint, body, (carrier, child), place, len(joints))
         carrier, place = child, point((0, 0, 0))
     return free
 
 
-def _add(scene: Scene, joint: XmlElement, ends: tuple[str, str], place: RigidFrame, count: int) -> RigidFrame:
+def _add(
+    scene: Scene, joint: XmlElement, body: XmlElement, ends: tuple[str, str], place: RigidFrame, count: int
+) -> RigidFrame:
     """Tell the builder of one joint; how far it moves from the reference configuration to where its spring is free."""
     kind = "free" if joint.tag == "freejoint" else joint.choice("type", _KINDS, "hinge")
     stem = joint.text("name").removesuffix("_e0") if kind == "ball" else joint.text("name")
@@ -62,6 +64,7 @@ def _add(scene: Scene, joint: XmlElement, ends: tuple[str, str], place: RigidFra
     if kind == "free":
         if ends[0] != GROUND or count > 1:
             joint.refuse("a free joint stands alone in a body of the world")
+        _check_alignment(scene, joint, body)
         builder.free(name, ends[1])
         names = tuple(f"{name}_{suffix}" for suffix in ("x", "y", "z", "e0", "e1", "e2", "e3"))
         scene.home.update(dict(zip(names, [*place.position.tolist(), *_quaternion(place.rotation)], strict=True)))
@@ -124,6 +127,17 @@ def _check(scene: Scene, joint: XmlElement, kind: str) -> None:
     limited = joint.choice("limited", ("auto", "true", "false"), "auto")
     if (limited == "true" or (limited == "auto" and ranged)) and "limit" not in scene.ignored:
         joint.refuse("stops are not modelled here: take range out, set limited='false', or give ignore=('limit',)")
+
+
+def _check_alignment(scene: Scene, joint: XmlElement, body: XmlElement) -> None:
+    """Refuse where MuJoCo moves the frame of a free body without children into its centre of mass."""
+    word = joint.choice("align", ("auto", "true", "false"), "auto")
+    aligned = word == "true" or (word == "auto" and scene.compiler.text("alignfree", "false") == "true")
+    if aligned and not any(body.all("body")):
+        joint.refuse(
+            "align, or alignfree of the compiler, moves the body's frame into its centre of mass, and with it the "
+            "meaning of qpos: set align='false' on a <freejoint>"
+        )
 
 
 def _angle(scene: Scene, joint: XmlElement, name: str, turn: bool) -> float:

@@ -44,8 +44,8 @@ def _tendon(scene: Scene, tendon: XmlElement) -> None:
     automatic = "range" in tendon.attributes and scene.compiler.text("autolimits", "true") == "true"
     if (limited == "true" or (limited == "auto" and automatic)) and "limit" not in scene.ignored:
         tendon.refuse("stops are not modelled here: take range out, set limited='false', or give ignore=('limit',)")
-    name = tendon.text("name") or f"tendon{len(scene.tendons) + 1}"
-    scene.tendons[name] = (tendon, ends, rest)
+    number = len(scene.tendons) + 1
+    scene.tendons[tendon.text("name") or f" {number}"] = (tendon, ends, rest)  # without a name, none can refer to it
     stiffness, damping = tendon.number("stiffness"), tendon.number("damping")
     if not (stiffness or damping):
         return
@@ -56,6 +56,7 @@ def _tendon(scene: Scene, tendon: XmlElement) -> None:
     (a, at), (b, on) = ends
     with scene.at(tendon):
         points = (at.position.tolist(), on.position.tolist())
+        name = tendon.text("name") or f"tendon {number}"
         scene.builder.spring(name, a, b, stiffness, length, damping, *points)
 
 
@@ -102,6 +103,8 @@ def _connect(scene: Scene, element: XmlElement) -> None:
 def _weld(scene: Scene, element: XmlElement) -> None:
     """Two sites coincide; or body2 stays where relpose, or the reference configuration, has it in body1."""
     name = scene.name(element, "weld")
+    if element.number("torquescale", 1.0) <= 0:
+        element.refuse("a torquescale of 0 leaves the turning free: write <connect>, or take torquescale out")
     if "site1" in element.attributes:
         (a, at), (b, on) = _ends(scene, element)
         scene.builder.weld(name, a, b, placement(at), placement(on), loop=True)
@@ -120,9 +123,8 @@ def _couple(scene: Scene, element: XmlElement) -> None:
     """q1 - ref1 = a0 + a1 (q2 - ref2) + ... + a4 (q2 - ref2)^4; without joint2, q1 stays at ref1 + a0."""
     name = scene.name(element, "coupling")
     first = scene.joint(element, "joint1")
-    a0, a1, *higher = element.numbers("polycoef", range(1, 6), (0, 1, 0, 0, 0)) + [0.0] * 4
-    if "polycoef" in element.attributes and len(element.text("polycoef").split()) == 1:
-        a1 = 0.0
+    given = element.numbers("polycoef", range(1, 6), (0,))
+    a0, a1, *higher = given + [0.0, 1.0, 0.0, 0.0, 0.0][len(given) :]  # as in MuJoCo, a1 is 1 where it is not given
     if "joint2" not in element.attributes:
         fixed = first.reference + a0
         scene.builder.driver(name, first.coordinate, fixed)
@@ -142,7 +144,8 @@ def _keep_length(scene: Scene, element: XmlElement) -> None:
     name = scene.name(element, "rod")
     wanted = element.required("tendon1")
     if wanted not in scene.tendons:
-        element.refuse(f"tendon1: there is no spatial tendon {wanted!r}; known: {', '.join(scene.tendons) or 'none'}")
+        known = ", ".join(name for name in scene.tendons if not name.startswith(" ")) or "none"
+        element.refuse(f"tendon1: there is no spatial tendon {wanted!r}; known: {known}")
     a0, *slope = element.numbers("polycoef", range(1, 6), (0, 1, 0, 0, 0))
     if "tendon2" in element.attributes or any(slope[1:]):
         element.refuse("tendons that follow each other are not known here")

@@ -15,7 +15,7 @@ from nullbody.formats.mjcf_joint import add_joints
 from nullbody.formats.mjcf_loop import add_actuators, add_equalities, add_tendons
 from nullbody.formats.mjcf_mass import MassProperties, body_of, geom_mass, inertial_mass, together
 from nullbody.formats.mjcf_pose import Angles, point, pose
-from nullbody.formats.mjcf_rules import check_attributes, check_children, check_options
+from nullbody.formats.mjcf_rules import check_attributes, check_children, check_names, check_options
 from nullbody.formats.mjcf_scene import IGNORABLE, Scene
 from nullbody.formats.rigid import RigidFrame
 from nullbody.formats.xml_tree import XmlElement, xml_tree
@@ -40,6 +40,7 @@ def read_mjcf(source: Source, ignore: Collection[str] = ()) -> Mechanism:
     Raises:
         ModelFileError: anything else that changes the dynamics and is not known here; the message names the element
             and its line.
+        InputError: an `ignore` that is no list of those words.
         MechanismError, UnknownName: a mechanism that makes no sense.
     """
     return read_mjcf_document(document(source), ignore)
@@ -47,6 +48,8 @@ def read_mjcf(source: Source, ignore: Collection[str] = ()) -> Mechanism:
 
 def read_mjcf_document(given: Document, ignore: Collection[str] = ()) -> Mechanism:
     """The mechanism of a document that has been read."""
+    if not isinstance(ignore, Collection):
+        raise InputError(f"ignore is a list of words from {', '.join(IGNORABLE)}, not {ignore!r}")
     ignored = (ignore,) if isinstance(ignore, str) else tuple(ignore)
     for word in ignored:
         if word not in IGNORABLE:
@@ -56,6 +59,7 @@ def read_mjcf_document(given: Document, ignore: Collection[str] = ()) -> Mechani
         root.refuse("an MJCF document begins with <mujoco>")
     check_children(root)
     check_options(root)
+    check_names(root)
     scene = _scene(root, ignored)
     scene.free_frames[GROUND] = point((0, 0, 0))
     for world in root.all("worldbody"):
@@ -63,7 +67,7 @@ def read_mjcf_document(given: Document, ignore: Collection[str] = ()) -> Mechani
     if not scene.frames.keys() - {GROUND}:
         root.refuse("there is no body in it")
     if "contact" not in ignored:
-        refuse_contacts(root, scene.surfaces, GROUND)
+        refuse_contacts(root, scene.surfaces, scene.bodies, GROUND)
     add_tendons(scene)
     add_equalities(scene)
     add_actuators(scene)
@@ -125,12 +129,13 @@ class _Grower:
         scene.frames[carrier.name] = carrier.frame
         for site in element.all("site"):
             self._site(site, carrier)
+        body = "world" if element.tag == "worldbody" else element.text("name")
         for geom in element.all("geom"):
             resolved = scene.classes.resolved(geom, carrier.childclass)
             check_attributes(resolved)
-            scene.surfaces.append(Surface(resolved, element.text("name", "world"), carrier.welded, carrier.above))
-        for body in element.all("body"):
-            self._body(body, carrier)
+            scene.surfaces.append(Surface(resolved, body, carrier.welded, carrier.above))
+        for child in element.all("body"):
+            self._body(child, carrier)
 
     def _site(self, element: XmlElement, carrier: _Carrier) -> None:
         site = self.scene.classes.resolved(element, carrier.childclass)
@@ -139,7 +144,7 @@ class _Grower:
         ends = np.array(site.numbers("fromto", 6))
         if ends.size:
             site.refuse("a site along fromto is not known here: give it a pos")
-        self.scene.add_site(element.text("name"), carrier.name, frame)
+        self.scene.add_site(element, carrier.name, frame)
 
     def _body(self, element: XmlElement, carrier: _Carrier) -> None:
         scene = self.scene

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from nullbody.formats.xml_tree import XmlElement
 
-__all__ = ["check_attributes", "check_children", "check_options"]
+__all__ = ["check_attributes", "check_children", "check_names", "check_options"]
 
 _PLACED = {"pos", "quat", "axisangle", "euler", "xyaxes", "zaxis"}
 _LOOKS = {"name", "class", "group", "user", "rgba", "material"}
@@ -65,6 +65,7 @@ _IN_MUJOCO = {
     *("equality", "tendon", "actuator", "sensor", "keyframe"),
 }
 _IN_BODY = {"inertial", "joint", "freejoint", "geom", "site", "camera", "light", "body"}
+_NAMED = {"body": "body", "joint": "joint", "freejoint": "joint", "geom": "geom", "site": "site"}  # tag -> kind
 _MACROS = ("include", "frame", "replicate", "composite", "flexcomp", "attach", "model")
 _HARMLESS_FLAGS = {
     *("contact", "limit", "gravity", "warmstart", "filterparent", "refsafe", "sensor", "midphase", "eulerdamp"),
@@ -92,6 +93,27 @@ def check_children(element: XmlElement) -> None:
             )
         if child.tag not in known and not (child.tag in ("extension", "deformable") and not child.children):
             child.refuse(f"<{child.tag}> is not known here and might change the dynamics: take it out")
+
+
+def check_names(root: XmlElement) -> None:
+    """Raise at a second element of a kind with the same name, as MuJoCo does: one of the two would be lost."""
+    found = [
+        (section.tag, e)
+        for s in ("tendon", "equality", "actuator", "keyframe")
+        for section in root.all(s)
+        for e in section.children
+    ]
+    bodies = list(root.all("worldbody"))
+    while bodies:
+        children = bodies.pop().children
+        found += [(_NAMED[child.tag], child) for child in children if child.tag in _NAMED]
+        bodies += [child for child in children if child.tag == "body"]
+    taken = set()
+    for kind, element in sorted(found, key=lambda pair: pair[1].line):
+        name = element.text("name")
+        if name and (kind, name) in taken:
+            element.refuse(f"there is another {kind} of this name")
+        taken.add((kind, name))
 
 
 def check_options(root: XmlElement) -> None:

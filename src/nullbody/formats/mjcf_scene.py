@@ -101,11 +101,12 @@ class Scene:
 
     def body_name(self, element: XmlElement) -> str:
         """The name of a body; those of bodies and of joints may be the same."""
-        given = element.text("name") or f"body{len(self.bodies)}"
+        number = len(self.bodies)
+        given = element.text("name") or f" {number}"  # which cannot be named in the document
         if given in self.bodies:
             element.refuse("there is another body of this name")
         known = {*self.bodies.values(), *_RESERVED}
-        stem = symbol(given)
+        stem = symbol(element.text("name") or f"body{number}")
         name, number = stem, 1
         while name in known:
             number += 1
@@ -117,7 +118,8 @@ class Scene:
         """The body that an attribute names; the ground where there is none."""
         given = element.text(attribute, "world")
         if given not in self.bodies:
-            element.refuse(f"{attribute}: there is no body {given!r}; known: {', '.join(self.bodies)}")
+            known = ", ".join(name for name in self.bodies if not name.startswith(" "))
+            element.refuse(f"{attribute}: there is no body {given!r}; known: {known}")
         return self.bodies[given]
 
     def site(self, element: XmlElement, attribute: str) -> tuple[str, RigidFrame]:
@@ -135,8 +137,11 @@ class Scene:
             element.refuse(f"{attribute}: there is no hinge or slide {given!r}; known: {known}")
         return self.joints[given]
 
-    def add_site(self, name: str, body: str, frame: RigidFrame) -> None:
-        """Note a site; one without a name is used by nothing."""
+    def add_site(self, element: XmlElement, body: str, frame: RigidFrame) -> None:
+        """Note a site; one without a name is used by nothing. A second one of a name is refused."""
+        name = element.text("name")
+        if name in self.sites:
+            element.refuse("there is another site of this name")
         if name:
             self.sites[name] = (body, frame)
 

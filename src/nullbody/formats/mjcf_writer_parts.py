@@ -44,11 +44,16 @@ class Parts:
         tree: that has been written.
         root: <mujoco>.
         sites: names that are taken.
+        equalities: likewise; those of loops and constraints are kept for them.
+        tendons: likewise; those of distances are kept for them.
+        sections: <tendon>, <equality> and <actuator>.
     """
 
     tree: Tree
     root: Element
     sites: set[str] = field(default_factory=set)
+    equalities: set[str] = field(default_factory=set)
+    tendons: set[str] = field(default_factory=set)
     sections: dict[str, Element] = field(default_factory=dict)
 
     def write(self) -> None:
@@ -60,6 +65,9 @@ class Parts:
         mechanism = self.tree.mechanism
         for name in ("tendon", "equality", "actuator"):
             self.sections[name] = SubElement(self.root, name)
+        self.tendons |= {loop.name for loop in mechanism.loops if isinstance(loop, Distance)}
+        self.equalities |= {loop.name for loop in mechanism.loops}
+        self.equalities |= {constraint.name for constraint in mechanism.constraints}
         for loop in mechanism.loops:
             self._one(
                 loop, _LOOPS, "close it by a spherical, revolute, weld or distance joint, or cut the loop elsewhere"
@@ -85,9 +93,7 @@ class Parts:
         """A site on a body; its name."""
         if body not in self.tree.elements:
             raise MechanismError(f"body {body!r} is massless and has no element of its own in MuJoCo: give it a mass")
-        while name in self.sites:
-            name += "_"
-        self.sites.add(name)
+        name = _unique(name, self.sites)
         frame = self.tree.local(body, place)
         site = SubElement(self.tree.elements[body], "site", name=name, pos=mjcf_numbers(frame.position), size="0.001")
         if turned and not np.array_equal(frame.rotation, np.eye(3)):
@@ -112,9 +118,10 @@ class Parts:
         for key, suffix, body, place in (("site1", "a", loop.parent, loop.at), ("site2", "b", loop.child, loop.on)):
             arm = RigidFrame(np.eye(3), _ARM * np.array(axis_vector(loop.axis)))
             element, frame = self.tree.elements[body], self.tree.local(body, place) @ arm
-            names[key] = f"{loop.name}_axis_{suffix}"
+            names[key] = _unique(f"{loop.name}_axis_{suffix}", self.sites)
             SubElement(element, "site", name=names[key], pos=mjcf_numbers(frame.position), size="0.001")
-        SubElement(self.sections["equality"], "connect", {"name": f"{loop.name}_axis", **names})
+        second = _unique(f"{loop.name}_axis", self.equalities)
+        SubElement(self.sections["equality"], "connect", {"name": second, **names})
 
     def _rod(self, loop: Distance) -> None:
         """A tendon that keeps its length: L = L(q = 0) + c."""
@@ -168,8 +175,8 @@ class Parts:
             "site1": self._site(f"{load.name}_a", load.body_a, Placement(load.point_a)),
             "site2": self._site(f"{load.name}_b", load.body_b, Placement(load.point_b)),
         }
-        name = load.name if load.name not in {t.get("name") for t in self.sections["tendon"]} else f"{load.name}_spring"
-        tendon = self._tendon(name, ends)
+        name = load.name if load.name not in self.tendons else f"{load.name}_spring"
+        tendon = self._tendon(_unique(name, self.tendons), ends)
         for key, source in (("stiffness", load.stiffness), ("springlength", load.length), ("damping", load.damping)):
             tendon.set(key, mjcf_numbers([self._value(source)]))
 
@@ -187,6 +194,12 @@ class Parts:
 
     def _friction(self, load: Friction) -> None:
         joint = self._joint(load.coordinate, load.name)
+        speed = self._value(load.speed)
+        if self._value(load.coulomb) and speed != Friction.speed:
+            raise MechanismError(
+                f"friction {load.name!r} is smooth below speed = {speed:g}, which MuJoCo has no word for: it is read "
+                f"back with {Friction.speed}. Take that speed, or take the friction out for the export"
+            )
         self._add(joint, "damping", load.viscous)
         self._add(joint, "frictionloss", load.coulomb)
 
@@ -214,6 +227,14 @@ class Parts:
         if actuator.limits is not None:
             motor.set("ctrllimited", "true")
             motor.set("ctrlrange", mjcf_numbers(self._value(limit) for limit in actuator.limits))
+
+
+def _unique(name: str, taken: set[str]) -> str:
+    """A name that nothing else of its kind has: with _ behind it until it is free; it is taken from then on."""
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return name
 
 
 _LOOPS: Mapping[type, Callable[[Parts, Any], None]] = {

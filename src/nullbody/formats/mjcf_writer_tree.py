@@ -17,6 +17,7 @@ __all__ = ["Tree", "mjcf_numbers"]
 
 _SMALLEST = 1e-15  # mjMINVAL: MuJoCo refuses moving bodies with less mass [kg] or inertia [kg m^2]
 _MOST_RATES = 6  # of one MuJoCo body
+_DEEPEST = 496  # bodies one inside the other: MuJoCo reads no more than 499 nested elements
 _HERE = RigidFrame(np.eye(3), np.zeros(3))
 
 
@@ -45,8 +46,17 @@ class Tree:
     joints: dict[str, Element] = field(default_factory=dict)
     order: list[str] = field(default_factory=list)
 
-    def grow(self, element: Element, name: str = GROUND) -> None:
-        """Add all descendants of a body to its element."""
+    def grow(self, element: Element, name: str = GROUND, depth: int = 0) -> None:
+        """Add all descendants of a body to its element.
+
+        Raises:
+            MechanismError: bodies nested deeper than MuJoCo reads, and those of `write_mjcf`.
+        """
+        if depth > _DEEPEST:
+            raise MechanismError(
+                f"body {name!r} is number {depth} of a chain; MuJoCo reads no more than {_DEEPEST} bodies one inside "
+                "the other. Begin the tree in the middle of the chain"
+            )
         self.elements[name] = element
         if name == GROUND:
             self.offsets[name] = self.world[name] = _HERE
@@ -54,7 +64,7 @@ class Tree:
             if joint.parent == name:
                 chain = self._chain(joint)
                 child = chain[-1].child
-                self.grow(self._body(element, chain), child)
+                self.grow(self._body(element, chain), child, depth + 1)
 
     def local(self, body: str, place: Placement) -> RigidFrame:
         """A frame on a body, in the body's element."""
@@ -70,8 +80,7 @@ class Tree:
             if len(onward) != 1 or held:
                 why = f"loop {held[0]!r} holds it" if held else f"it carries {len(onward)} bodies, not one"
                 raise MechanismError(
-                    f"body {name!r} has neither mass nor inertia, and {why}: MuJoCo cannot have it. "
-                    "Give it a mass, or take engine 'pinocchio'"
+                    f"body {name!r} has neither mass nor inertia, and {why}: MuJoCo cannot have it. Give it a mass"
                 )
             chain += onward
         return chain

@@ -16,6 +16,7 @@ from typing import Annotated, Any, Literal, Union, get_origin, get_type_hints
 
 from pydantic import (
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Discriminator,
     Field,
@@ -110,12 +111,20 @@ class Radians(BaseModel):
     radians: Number
 
 
+def _one_angle(value: Any) -> Any:
+    if isinstance(value, dict) and {"degrees", "radians"} <= value.keys():
+        raise PydanticCustomError("one_angle", "give degrees or radians, and leave the other out")
+    return value
+
+
 class Frame(BaseModel):
     """A frame: moved first, then rotated about the new axes."""
 
     model_config = _STRICT
     position: Three = Field(default=[0, 0, 0], description="of its origin [m]")
-    rotations: list[Degrees | Radians] = Field(default=[], description="in order, each about the new axes")
+    rotations: list[Annotated[Degrees | Radians, BeforeValidator(_one_angle)]] = Field(
+        default=[], description="in order, each about the new axes"
+    )
 
 
 Frames = TypeAliasType("Frames", Three | Frame)

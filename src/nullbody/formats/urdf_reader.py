@@ -44,6 +44,7 @@ def read_urdf(
 
     Raises:
         ModelFileError: what is not known here; the message names the element and its line.
+        InputError: actuators that are no list of names.
         MechanismError, UnknownName: a mechanism that makes no sense.
     """
     return read_urdf_document(document(source), loops, actuators, gravity)
@@ -63,12 +64,19 @@ def read_urdf_document(
     reader = _Reader(root, builder)
     reader.read()
     add_joint_entries(builder, loops, reader.bodies)
+    _check_actuators(actuators)
     try:
         for name in actuators:
             builder.actuator(f"u_{symbol(name)}", symbol(name))
         return builder.build()
     except InputError as error:
         raise given.located(error) from None
+
+
+def _check_actuators(given: Any) -> None:
+    listed = isinstance(given, Sequence) and not isinstance(given, str)
+    if not listed or not all(isinstance(name, str) for name in given):
+        raise InputError(f"actuators is a list of names of joints, not {given!r}")
 
 
 class _Reader:
@@ -81,7 +89,8 @@ class _Reader:
 
     def read(self) -> None:
         """Links, the root's fixture, joints."""
-        links = {link.required("name"): link for link in self.root.all("link")}
+        links = _by_name(self.root, "link")
+        _by_name(self.root, "joint")
         if not links:
             self.root.refuse("there is no link in it")
         for name, link in links.items():
@@ -100,7 +109,7 @@ class _Reader:
             except InputError as error:
                 raise joint.located(error) from None
         for joint in self.root.all("joint"):
-            for mimic in joint.all("mimic"):
+            for mimic in _at_most_one(joint, "mimic"):
                 self._mimic(joint, mimic)
 
     def _body(self, element: XmlElement) -> str:
@@ -111,13 +120,13 @@ class _Reader:
 
     def _joint(self, joint: XmlElement) -> None:
         kind = joint.choice("type", _TYPES, "")
-        for dynamics in joint.all("dynamics") if kind in ("floating", "planar") else ():
+        for dynamics in _at_most_one(joint, "dynamics") if kind in ("floating", "planar") else ():
             if dynamics.number("damping") or dynamics.number("friction"):
                 dynamics.refuse(f"damping and friction of a {kind} joint have no meaning here: take them out")
         name = symbol(joint.required("name"))
         ends = (self._body(_only(joint, "parent")), self._body(_only(joint, "child")))
         at = placement(_origin(joint))
-        axis = next((a.numbers("xyz", 3, (1, 0, 0)) for a in joint.all("axis")), [1.0, 0.0, 0.0])
+        axis = next((a.numbers("xyz", 3, (1, 0, 0)) for a in _at_most_one(joint, "axis")), [1.0, 0.0, 0.0])
         builder: Any = self.builder
         if kind == "fixed":
             builder.weld(name, *ends, at, tree=True)
@@ -131,7 +140,7 @@ class _Reader:
             self._resist(joint, name)
 
     def _resist(self, joint: XmlElement, name: str) -> None:
-        for dynamics in joint.all("dynamics"):
+        for dynamics in _at_most_one(joint, "dynamics"):
             damping, friction = dynamics.number("damping"), dynamics.number("friction")
             if damping:
                 self.builder.coordinate_damper(f"{name} damping", name, damping)
@@ -156,9 +165,28 @@ def _only(element: XmlElement, tag: str) -> XmlElement:
     return found[0]
 
 
+def _at_most_one(element: XmlElement, tag: str) -> list[XmlElement]:
+    """The child of this name, if there is one."""
+    found = list(element.all(tag))
+    if len(found) > 1:
+        found[1].refuse(f"{element.place} has one <{tag}>, not {len(found)}")
+    return found
+
+
+def _by_name(root: XmlElement, tag: str) -> dict[str, XmlElement]:
+    """The elements of a kind; no two have the same name."""
+    found: dict[str, XmlElement] = {}
+    for element in root.all(tag):
+        name = element.required("name")
+        if name in found:
+            element.refuse(f"there is another {tag} of this name")
+        found[name] = element
+    return found
+
+
 def _origin(element: XmlElement) -> RigidFrame:
     """<origin xyz rpy>: R = Rz(yaw) Ry(pitch) Rx(roll)."""
-    for origin in element.all("origin"):
+    for origin in _at_most_one(element, "origin"):
         roll, pitch, yaw = origin.numbers("rpy", 3, (0, 0, 0))
         x, y, z = np.eye(3)
         return RigidFrame(
@@ -169,7 +197,7 @@ def _origin(element: XmlElement) -> RigidFrame:
 
 def _mass(link: XmlElement) -> MassProperties:
     """<inertial>: mass, and inertia about the centre in the axes of <origin>."""
-    for inertial in link.all("inertial"):
+    for inertial in _at_most_one(link, "inertial"):
         frame = _origin(inertial)
         mass = _only(inertial, "mass")
         mass.required("value")
