@@ -151,7 +151,7 @@ def changed(model: Model, event: Event, t: float, state: State) -> State:
     """
     if event.then is None:
         return state
-    after = event.then(t, state)
+    after: object = event.then(t, state)
     if not isinstance(after, State) or after.coordinates != model.coordinates:
         raise InputError(f"event {event.name!r}: then(t, x) must give a State of the model, not {after!r:.80}")
     if not (np.isfinite(after.q).all() and np.isfinite(after.v).all()):
