@@ -29,9 +29,7 @@ def rocker_angle() -> float:
 
 @pytest.mark.parametrize("motion", ["+ 0.1*t", "+ 0.1*t^4", "", "+ sin(t)^3"])
 def test_a_second_driver_that_contradicts_the_first_is_named(motion: str) -> None:
-    with pytest.raises(
-        MechanismError, match=r"'drive_. drive' asks for a motion that the other equations"
-    ):
+    with pytest.raises(MechanismError, match=r"'drive_. drive' asks for a motion that the other equations"):
         nullbody.derive(driven(A="-1 + 0.3*t", C=f"{rocker_angle()!r} {motion}"))
 
 

@@ -54,7 +54,7 @@ def choose(
     samples = manifold.samples
     rank = min(form.rank, max((sample.rank for sample in samples), default=form.rank))
     where = next((sample for sample in samples if sample.rank == rank), None)
-    if mechanism.rheonomic and where is not None:
+    if any(entry != 0 for entry in loops.b) and where is not None:
         _check_driven(loops, manifold, where)
     rows = form.rows
     if labels is not None:

@@ -56,6 +56,7 @@ def closures(mechanism: Mechanism, motion: MotionExpressions) -> Closures:
     slips = [zero + slip for c in mechanism.constraints for slip in c.nonholonomic(motion)]
     slip_A = jacobian(slips, rates) if slips else []
     _check_linear(mechanism, slip_A, rates)
+    _check_moving(mechanism, slips, slip_A)
     slip_b = substitute(slips, dict.fromkeys(rates, zero))
     along = {**dict(zip(q, rates, strict=True)), motion.time: one}
     return Closures(
@@ -82,6 +83,15 @@ def _holonomic(mechanism: Mechanism, motion: MotionExpressions) -> tuple[list[Ex
     for joint in mechanism.joints:
         Phi += [zero + residual for residual in joint.own_closure([motion.q[name] for name in joint.coordinates])]
     return Phi, tuple(facing)
+
+
+def _check_moving(mechanism: Mechanism, slips: Sequence[Expr], slip_A: Sequence[Sequence[Expr]]) -> None:
+    for (label, _), slip, row in zip(mechanism.nonholonomic_rows, slips, slip_A, strict=True):
+        if slip != 0 and all(entry == 0 for entry in row):
+            raise MechanismError(
+                f"the nonholonomic constraint {label!r} has no rate in it, so it keeps no motion from anything. "
+                "An equation in coordinates and the time is a holonomic one"
+            )
 
 
 def _check_linear(mechanism: Mechanism, slip_A: Sequence[Sequence[Expr]], rates: Sequence[Expr]) -> None:

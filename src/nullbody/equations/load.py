@@ -7,6 +7,7 @@ power = sum_k effort_k flow_k                                of all that has no 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -46,12 +47,21 @@ def loaded(mechanism: Mechanism, bodies: Inertia, motion: MotionExpressions) -> 
             h[j] = h[j] + slope
         _add_kinetic(M, h, zero + load.kinetic(motion), motion, load)
         T = T + load.kinetic(motion)
-        for effort, flow in load.efforts(motion):
+        for effort, flow in _efforts(load, motion):
             effort, flow = zero + effort, zero + flow
             for j, rate in enumerate(rates):
                 h[j] = h[j] - effort * derivative(flow, rate)
             power.append(effort * flow)
     return Loaded(Inertia(M, h, T, U), zero + total(power))
+
+
+def _efforts(load: AbstractLoad, motion: MotionExpressions) -> Sequence[tuple[Expr, Expr]]:
+    try:
+        return list(load.efforts(motion))
+    except ZeroDivisionError:
+        raise MechanismError(
+            f"the load {load.name!r} divides by what is zero in every configuration: do its two points coincide?"
+        ) from None
 
 
 def _add_kinetic(M: list[list[Any]], h: list[Any], T: Expr, motion: MotionExpressions, load: AbstractLoad) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 
@@ -18,6 +19,7 @@ __all__ = ["assemble", "known_coordinates", "start_coordinates"]
 _SMALLEST_STEP = 1e-4  # of the way from the guess to the target
 _LARGEST_CORRECTION = 0.15  # [m, rad] by which Newton may correct a predicted point on the same branch
 _PERTURBED_STARTS = 24
+_FAR = 1e6  # instead of a residual that has no value [m]
 _END_OF_BRANCH = 1e8  # condition number of the free columns
 
 
@@ -49,6 +51,8 @@ def assemble(
         UnknownName, InputError: unknown names, too many, or values that are no finite numbers.
         AssemblyError: the loops cannot be closed; names the loop, the gap and the reach.
     """
+    if isinstance(t, bool) or not isinstance(t, Real) or not np.isfinite(t):
+        raise InputError(f"the time t must be a finite number, not {t!r}")
     rate = np.zeros(len(model.independent)) if v is None else vector(v, model.independent, "independent rate")
     fixed, target = known_coordinates(model, known)
     if len(fixed) > model.freedom:
@@ -188,11 +192,11 @@ class _Path:
 
         def gaps(x: FloatArray) -> FloatArray:
             q[self.free] = x
-            return self.model.residual(q, self.t)
+            return np.nan_to_num(self.model.residual(q, self.t), nan=_FAR, posinf=_FAR, neginf=-_FAR)
 
         def slopes(x: FloatArray) -> FloatArray:
             q[self.free] = x
-            return self.model.jacobian(q, self.t)[:, self.free]
+            return np.nan_to_num(self.model.jacobian(q, self.t)[:, self.free])
 
         fit = least_squares(gaps, q[self.free].copy(), jac=slopes, method="trf", x_scale=1.0)
         q[self.free] = fit.x
@@ -220,10 +224,11 @@ def _unreachable(model: Model, known: Mapping[str, float], closed: Closed, reach
         gaps[loop] = float(np.hypot(gaps.get(loop, 0.0), component))
     worst = max(gaps, key=lambda loop: gaps[loop])
     wanted = ", ".join(f"{name} = {float(value):.4g}" for name, value in known.items())
+    way = f"Coming from the guess, they close over {reach:.0%} of the way, up to {path.at(reach)}. "
     return AssemblyError(
-        f"the loops cannot be closed for {wanted}: loop {worst!r} stays open by {gaps[worst]:.3g} m at best. "
-        f"Coming from the guess, they close over {reach:.0%} of the way, up to {path.at(reach)}. "
-        "Choose values nearer to that, other lengths, or a guess on another branch",
+        f"the loops cannot be closed{f' for {wanted}' if known else ''}: loop {worst!r} stays open by "
+        f"{gaps[worst]:.3g} m at best. {way if known else ''}"
+        f"Choose {'values nearer to that, ' if known else ''}other lengths, or a guess on another branch",
         loop=worst,
         gap=gaps[worst],
         reach=reach,

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Real
-from typing import Literal
+from typing import Literal, get_args
 
 from nullbody.errors import ExpressionError, MechanismError, ParameterError, UnknownName
 from nullbody.expr.parse import names_in, parse
@@ -34,6 +34,10 @@ class Parameter:
     unit: str = ""
     meaning: str = ""
     sign: Sign = "positive"
+
+    def __post_init__(self) -> None:
+        if self.sign not in get_args(Sign):
+            raise UnknownName("sign of a parameter", str(self.sign), get_args(Sign))
 
     def check(self, value: object) -> float:
         """The value as a float.

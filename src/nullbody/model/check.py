@@ -111,8 +111,9 @@ def check_regular(
         return
     size = float(np.sqrt(spread)) if np.isfinite(spread) else float("inf")
     lost = min(16.0, max(0.0, np.log10(size))) if doubt < REGULAR_DOUBT else 16.0
+    whose = f"the independent coordinates {', '.join(independent)} are" if independent else "the mechanism is"
     raise SingularityError(
-        f"the independent coordinates {', '.join(independent)} are singular here: "
+        f"{whose} singular here: "
         f"|B| = {float(delta):.3g}, |N| = {size:.3g}, so results would lose {lost:.0f} of 16 digits. "
         "Derive with other independent coordinates, or stay away from this configuration"
     )

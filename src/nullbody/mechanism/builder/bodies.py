@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from abc import ABC
 from collections.abc import Sequence
+from typing import cast
 
 from nullbody.errors import MechanismError
 from nullbody.expr.parse import names_in, parse
@@ -75,7 +76,7 @@ class AbstractBodyMethods(AbstractRecord, ABC):
                 about itself, give a radius.
         """
         where = f"rod {name!r}"
-        half = f"{grouped(scalar(length, where))}/2"
+        half = f"{grouped(_size(length, where))}/2"
         centre = [_value(f"{'-' if sign == -1 else ''}{half}") if sign else 0 for sign in _along(axis, where)]
         return self.cylinder(name, mass, radius, length, axis, centre)
 
@@ -112,7 +113,8 @@ class AbstractBodyMethods(AbstractRecord, ABC):
         """
         where = f"body {name!r}"
         along = _along(axis, where)
-        m, r, l = (grouped(scalar(given, where)) for given in (mass, radius, length))  # noqa: E741, a length
+        m = grouped(scalar(mass, where))
+        r, l = (grouped(_size(given, where)) for given in (radius, length))  # noqa: E741, a length
         parts = [f"{m}*{r}^2/4" if r != "0" else "", f"{m}*{l}^2/12" if l != "0" else ""]
         across = _value(" + ".join(part for part in parts if part) or "0")
         itself = _value(f"{m}*{r}^2/2") if r != "0" else 0
@@ -128,7 +130,7 @@ class AbstractBodyMethods(AbstractRecord, ABC):
             centre: in the body's frame [m].
         """
         where = f"box {name!r}"
-        m, (a, b, c) = grouped(scalar(mass, where)), (grouped(edge) for edge in triple(size, where))
+        m, (a, b, c) = grouped(scalar(mass, where)), (grouped(_size(edge, where)) for edge in triple(size, where))
         pairs = ((b, c), (a, c), (a, b))
         return self.body(name, mass, centre, [_value(f"{m}*({one}^2 + {two}^2)/12") for one, two in pairs])
 
@@ -142,7 +144,7 @@ class AbstractBodyMethods(AbstractRecord, ABC):
             centre: in the body's frame [m].
         """
         where = f"sphere {name!r}"
-        moment = _value(f"2*{grouped(scalar(mass, where))}*{grouped(scalar(radius, where))}^2/5")
+        moment = _value(f"2*{grouped(scalar(mass, where))}*{grouped(_size(radius, where))}^2/5")
         return self.body(name, mass, centre, [moment] * 3)
 
     def point_mass(self, name: str, mass: Scalar, centre: Sequence[Scalar] = ORIGIN) -> str:
@@ -163,10 +165,18 @@ class AbstractBodyMethods(AbstractRecord, ABC):
         return self._note("body", self._bodies, body.name, body)
 
 
-def _along(axis: Axis, where: str) -> Triple:
-    if axis not in AXES:
+def _along(axis: object, where: str) -> Triple:
+    if not isinstance(axis, str) or axis not in AXES:
         raise MechanismError(f"{where} has the axis {axis!r}; choose one of {', '.join(AXES)}")
-    return axis_vector(axis)
+    return axis_vector(cast(Axis, axis))
+
+
+def _size(given: object, where: str) -> Scalar:
+    """A length, not negative where it is a number."""
+    value = scalar(given, where)
+    if not isinstance(value, str) and value < 0:
+        raise MechanismError(f"{where} has a length or radius of {value} m: it must not be negative")
+    return value
 
 
 def _value(text: str) -> Scalar:

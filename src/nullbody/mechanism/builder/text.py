@@ -27,6 +27,9 @@ _SUM, _PRODUCT, _POWER, _ATOM = range(4)  # how tightly the outermost operation 
 _Text = tuple[str, int]
 
 
+_LEAST = 1e-100  # products of a few such numbers are still floating-point numbers
+
+
 def scalar(value: object, place: str) -> Scalar:
     """A number, a text of the grammar, or a SymPy or SymEngine expression as a number or a text.
 
@@ -98,6 +101,8 @@ def _number(value: object, place: str) -> Scalar:
     number = float(value)
     if not math.isfinite(number):
         raise ExpressionError(f"{place}: a number must be finite, not {number}")
+    if number and not _LEAST <= abs(number) <= 1 / _LEAST:
+        raise ExpressionError(f"{place}: {number} is no size of anything: zero, or between {_LEAST} and {1 / _LEAST}")
     return number
 
 
