@@ -94,3 +94,18 @@ def test_a_time_that_is_no_number(t: Any) -> None:
     model = nullbody.build(nullbody.derive(arm().build()))
     with pytest.raises(InputError, match="the time t must be a finite number"):
         nullbody.assemble(model, {"q": 0.1}, t=t)
+
+
+def test_a_long_chain_of_parameters() -> None:
+    b = arm()
+    b.parameter("p0", 1.0)
+    for k in range(1, 1500):
+        b.parameter(f"p{k}", f"p{k - 1}")
+    b.parameter("first", "p1499 + 1")
+    assert b.build().values()["first"] == 2
+
+
+def test_numbers_that_grow_without_limit() -> None:
+    long = "+".join(f"1/(1.{k}e300^64-{k})" for k in range(10, 180))
+    with pytest.raises(ExpressionError, match="the numbers become too long"):
+        arm().rod("new", long, 0.4)

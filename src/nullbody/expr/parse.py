@@ -27,6 +27,7 @@ _TOKEN = re.compile(
 _Token = tuple[str, str, int]
 _LONGEST = 4000  # characters
 _DEEPEST = 40  # nested parentheses and signs
+_LARGEST = 1 << 15  # bits of a fraction: no double is near, and each sum of two such would double them
 _LARGEST_EXPONENT = 64  # of nested powers together: exact numbers would grow without limit
 
 #: The functions of the grammar on doubles.
@@ -156,7 +157,7 @@ class _Parser:
         value = self._product()
         while sign := self._take("+", "-"):
             other = self._product()
-            value = value + other if sign == "+" else value - other
+            value = self._bounded(value + other if sign == "+" else value - other)
         return value
 
     def _product(self) -> Any:
@@ -165,9 +166,15 @@ class _Parser:
             place = self.tokens[self.next][2]
             other = self._factor()
             try:
-                value = value * other if sign == "*" else value / other
+                value = self._bounded(value * other if sign == "*" else value / other)
             except ZeroDivisionError:
                 self._fail("division by zero", place)
+        return value
+
+    def _bounded(self, value: Any) -> Any:
+        """The value, unless it is a fraction that grows without limit."""
+        if isinstance(value, Fraction) and (value.numerator | value.denominator).bit_length() > _LARGEST:
+            self._fail("the numbers become too long", self.tokens[self.next][2])
         return value
 
     def _factor(self) -> Any:
@@ -197,7 +204,7 @@ class _Parser:
         self.next += 1
         result = self.constant(Fraction(1))
         for _ in range(exponent):
-            result = result * value
+            result = self._bounded(result * value)
         try:
             return 1 / result if negative else result
         except ZeroDivisionError:

@@ -72,22 +72,32 @@ def parameter_values(parameters: Sequence[Parameter], given: Mapping[str, object
         if name not in table:
             raise UnknownName("parameter", name, table)
     values: dict[str, float] = {}
-    open_names: list[str] = []
+    for wanted in table:
+        open_names = [wanted]  # each waits for the next one
+        while open_names:
+            name = open_names[-1]
+            missing = next((other for other in _needed(table[name], given) if other not in values), None)
+            if missing is None:
+                raw = given[name] if name in given else _default(table[name], values.__getitem__)
+                values[name] = table[name].check(raw)
+                open_names.pop()
+            elif missing not in table:
+                raise UnknownName("parameter", missing, table)
+            elif missing in open_names:
+                raise MechanismError(f"parameter defaults in a circle: {' -> '.join([*open_names, missing])}")
+            else:
+                open_names.append(missing)
+    return {name: values[name] for name in table}
 
-    def value(name: str) -> float:
-        if name not in table:
-            raise UnknownName("parameter", name, table)
-        if name not in values:
-            if name in open_names:
-                raise MechanismError(f"parameter defaults in a circle: {' -> '.join([*open_names, name])}")
-            open_names.append(name)
-            parameter = table[name]
-            raw = given[name] if name in given else _default(parameter, value)
-            values[name] = parameter.check(raw)
-            open_names.pop()
-        return values[name]
 
-    return {name: value(name) for name in table}
+def _needed(parameter: Parameter, given: Mapping[str, object]) -> list[str]:
+    """The parameters that a default is written in."""
+    if parameter.name in given:
+        return []
+    try:
+        return sorted(names_in(parameter.default))
+    except ExpressionError as error:
+        raise ParameterError(f"the default of parameter {parameter.name}: {error}") from None
 
 
 def _default(parameter: Parameter, value: Callable[[str], float]) -> float:
