@@ -78,6 +78,16 @@ def test_inputs_beside_a_place_where_they_cannot_drive_are_right_or_refused(dist
         assert model.forward_dynamics(beside, u)[model.independent_columns[0]] == pytest.approx(1.0, abs=1e-6)
 
 
+def test_inputs_that_can_do_nothing_are_not_feasible() -> None:
+    model = build(derive(slider_crank(), ("alpha",)))
+    for angle in (0.0, np.pi):  # the dead centres: Br is zero, or what rounding leaves of it
+        dead = assemble(model, {"alpha": angle}, v=[1.0])
+        found = model.actuation(dead, [1.0])
+        assert found.rank == 0 and not found.feasible
+        assert found.u.tolist() == [0.0]
+        assert found.residual == pytest.approx(model.generalized_forces(dead, [1.0]))
+
+
 def test_independent_slider_is_singular_at_the_dead_centre() -> None:
     model = build(derive(slider_crank(), ("s",)))
     dead = assemble(model, {"s": 0.45}, v=[1.0])

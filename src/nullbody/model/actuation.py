@@ -40,9 +40,11 @@ class Actuation:
     feasible: bool
 
 
-def solved(Qr: FloatArray, Br: FloatArray) -> Actuation:
-    """Least squares by singular values."""
+def solved(model: Model, state: State, Qr: FloatArray, Br: FloatArray) -> Actuation:
+    """Least squares by singular values; where Br is nothing but rounding, the inputs can do nothing."""
     nu = Br.shape[1]
+    if np.abs(Br).max(initial=0.0) < _DOUBT and _largest(model, state, Br) < _RANK:
+        Br = np.zeros_like(Br)
     if not nu:
         return Actuation(np.zeros(0), Qr.copy(), np.zeros((0, 0)), 0, not np.abs(Qr).max(initial=0.0) > 0)
     left, sizes, right = np.linalg.svd(Br)
@@ -61,7 +63,7 @@ def required(model: Model, state: State, Qr: FloatArray, u: FloatArray, Br: Floa
         SingularityError: Br has not full rank, to rounding.
     """
     if len(model.inputs) > len(Qr):
-        u = solved(Qr, Br).u
+        u = solved(model, state, Qr, Br).u
     if len(u) != len(model.inputs):
         where = "anywhere"
     elif not np.isfinite(u).all() or (_doubtful(Br) and _smallest(model, state, Br) < _RANK):
@@ -82,8 +84,16 @@ def _doubtful(Br: FloatArray) -> bool:
 
 def _smallest(model: Model, state: State, Br: FloatArray) -> float:
     """The smallest singular value of Br without units, against the largest or 1: motions of inputs per motion of v."""
-    scales = coordinate_scales(model, model.all_rows(state.q, state.t)[1])
-    sizes = np.linalg.svd(
-        scales[model.independent_columns, None] * Br / scales[model.actuated_columns], compute_uv=False
-    )
+    sizes = np.linalg.svd(_without_units(model, state, Br), compute_uv=False)
     return float(sizes.min(initial=1.0) / max(sizes.max(initial=1.0), 1.0))
+
+
+def _largest(model: Model, state: State, Br: FloatArray) -> float:
+    return float(np.abs(_without_units(model, state, Br)).max(initial=0.0))
+
+
+def _without_units(model: Model, state: State, Br: FloatArray) -> FloatArray:
+    """Br in radians and the mechanism's longest lever."""
+    scales = coordinate_scales(model, model.all_rows(state.q, state.t)[1])
+    scaled: FloatArray = scales[model.independent_columns, None] * Br / scales[model.actuated_columns]
+    return scaled

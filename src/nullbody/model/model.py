@@ -297,8 +297,9 @@ class Model:
             SingularityError: |B| vanishes for these independent coordinates.
         """
         wanted = vector(v_dot, self.independent, "independent acceleration")
-        Qr, _, Br = self._inverse(self.own(state), wanted)
-        return solved(Qr, Br.reshape(len(Qr), len(self.inputs)))
+        state = self.own(state)
+        Qr, _, Br = self._inverse(state, wanted)
+        return solved(self, state, Qr, Br.reshape(len(Qr), len(self.inputs)))
 
     def generalized_forces(self, state: State, v_dot: object) -> FloatArray:
         """N^T Q = Mr v' + hr: forces along the independent coordinates for given accelerations [42].
