@@ -46,7 +46,7 @@ def everything() -> Mechanism:
     b.parameter("k", "1e-3", "N m/rad")
     for k, name in enumerate(("a", "b", "c", "d", "e", "on", "yes", "null", "h")):
         _body(b, name, k)
-    b.point_mass("slider", "m/2", ("l", 1e-20, -1e300))
+    b.point_mass("slider", "m/2", ("l", 1e-20, -1e99))
     b.revolute("shaft", GROUND, "a", Placement((0, 0, "l"), (Rotation("-x", degrees=-37.5),)), axis="-y", names="q1")
     b.prismatic("rail: x", GROUND, "slider", names="s")
     b.cylindrical("tube", "a", "b", on=Placement((0, 0, 0), (Rotation("z", radians="k/2"),)))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import nullbody
 from nullbody.simulate import Outcome
@@ -73,3 +74,18 @@ def test_bars_that_cannot_move_end_by_name() -> None:
     run = nullbody.simulate(model, start, 1.0, throw=False)
     assert run.outcome is Outcome.CONFIGURATION_SINGULARITY
     assert run.t[-1] == 0
+
+
+@pytest.mark.parametrize("distance", [1e-3, 1e-4, 1e-5, 1e-6])
+def test_rest_beside_a_flat_pose_is_right_or_ends_by_name(distance: float) -> None:
+    model = nullbody.build(nullbody.derive(nullbody.catalog.n_four_bar(3)))
+    angle = np.pi / 2 - distance
+    q = {name: angle if name.startswith("theta") else -angle for name in model.coordinates}
+    start = nullbody.consistent(model, q, dict.fromkeys(q, 0.0)).state
+    run = nullbody.simulate(model, start, 5.0, throw=False, max_steps=2000)
+    assert run.outcome in (Outcome.COMPLETED, Outcome.CONFIGURATION_SINGULARITY)
+    assert run.outcome is Outcome.COMPLETED or distance < 1e-3
+    assert run.t[-1] > 1
+    k = 9.81 * (4 / 2 + 3) / (4 / 3 + 3)  # four bars of 1 kg that turn, three couplers of 1 kg that do not
+    exact = solve_ivp(lambda t, y: [y[1], k * np.sin(y[0])], (0, run.t[-1]), [angle, 0], rtol=1e-12, atol=1e-13)
+    assert run["theta0"][-1] == pytest.approx(exact.y[0, -1], abs=1e-6)

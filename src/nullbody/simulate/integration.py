@@ -31,6 +31,8 @@ _SHORTER = 0.5  # of the longest recent step, below which a step is looked at
 _SUDDEN = 1e-3  # of the longest step, below which it is looked at whether a configuration singularity has been met
 _CREEP = 1e-6  # likewise, below which it will not be passed in any reasonable number of steps
 _UNKNOWN = 1e-7  # regularity of A that loops closed to rounding cannot tell from 0: gaps are quadratic there
+_LOW = 1e-3  # regularity of A that measures nothing
+_MANY = 50  # short steps in a row that end it as well
 _WITHIN = 1e9  # doubt from which a configuration singularity may have been met
 _DECIDED = 1e-6  # regularity of A against that at the start, below which rounding decides how the motion goes on
 _SHORT = 0.2  # of the longest recent step: rounding beside a singularity makes steps shorter than that
@@ -79,9 +81,11 @@ class Integration:
         self._scale = np.ones(len(model.coordinates))  # of coordinates, for |N|
         self._watched = [SWITCH_SPREAD, SWITCH_DOUBT]  # |N|^2 and doubt at which another look is due
         self._first = 1.0  # regularity of A at the start
+        self._usual = 1.0  # the same, or what it rose to where it began beside a singularity
         self._least_doubt = np.inf  # seen so far in this chart
         self._leaping = False
         self._longest = 0.0  # step so far
+        self._creeping = 0  # short steps in a row beside a configuration singularity
         self._failed = 0  # steps in a row
         self._happened: tuple[Event, ...] = ()  # at the last knot
 
@@ -90,7 +94,7 @@ class Integration:
         if self.settings.switch:
             labels_A = self.model.all_rows(state.q, t0)[1]
             self._scale = coordinate_scales(self.model, labels_A)
-            self._first = regularity(self.model, state.q, t0)
+            self._first = self._usual = regularity(self.model, state.q, t0)
         motion, y = self._begin(state, t0)
         run = Run([(t0, motion, y)], sum(motion.energy(t0, motion.full(t0, y))))
         if self._first < _UNKNOWN:
@@ -164,6 +168,8 @@ class Integration:
             solver.y = y
             solver.f = motion.rate(solver.t, y)
         motion.closing = beside
+        if self.settings.switch and self._usual < _LOW:  # it began beside a singularity
+            self._usual = max(self._usual, regularity(motion.chart, y[: motion.nq], solver.t))
         advance(float(solver.t))
         crossing = self._crossing(piece)
         if crossing is not None:
@@ -313,11 +319,13 @@ class Integration:
         if not self.settings.switch:
             if not spread < SIMULATED_SPREAD:
                 return self._singular(motion, delta, spread)
-        elif not self._leaping and (not doubt < _WITHIN or length < _SUDDEN):
-            left = regularity(motion.chart, q, t)
-            if left < (_NEAR if length < _CREEP else _DECIDED) * self._first:
+        elif not doubt < _WITHIN or length < _SUDDEN:
+            left = regularity(motion.chart, q, t) / self._usual
+            self._creeping = self._creeping + 1 if left < _NEAR and length < _SUDDEN else 0
+            if (left < _DECIDED and not self._leaping) or (left < _NEAR and length < _CREEP) or self._creeping > _MANY:
                 return Outcome.CONFIGURATION_SINGULARITY, (
-                    f" (smallest singular value of A {left:.1e} of the largest: rounding would decide the way on)"
+                    f" (smallest singular value of A {left * self._usual:.1e} of the largest: rounding would decide "
+                    "the way on)"
                 )
         return Outcome.COMPLETED, ""
 

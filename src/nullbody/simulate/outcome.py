@@ -18,8 +18,8 @@ class Outcome(Enum):
     )
     CONFIGURATION_SINGULARITY = (
         "the mechanism itself becomes singular (A loses rank): closures depend on each other there, and the motion "
-        "does not go through smoothly in any independent coordinates: a dead end, or several ways on. Change the "
-        "lengths or the start a little, or stop before"
+        "does not go through smoothly in any independent coordinates, or so slowly that rounding decides: a dead end, "
+        "or several ways on. Change the lengths or the start a little, or stop before"
     )
     SINGULAR_MASS_MATRIX = (
         "the reduced mass matrix becomes singular: some motion moves no mass, or next to none, in this configuration. "
