@@ -10,8 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
+import nullbody
 from nullbody import AssemblyError, InputError, Model, State, UnknownName, assemble, build, derive
 from nullbody.kinematics import sweep
+from nullbody.mechanism import Placement, Rotation
 from tests.mechanisms import four_bar, slider_crank, two_bodies
 from tests.robot import HOME, SLIDES, robot, tilted, upright
 
@@ -243,3 +245,26 @@ def test_no_branch_changes_the_sign_of_its_determinant(begin: tuple[float, ...],
     else:
         signs = [np.sign(model.evaluate("kinematics", x.q, x.v)[3]) for x in (start, found)]
         assert signs[0] == signs[1]
+
+
+def test_bennett_linkage_from_a_rough_home() -> None:
+    # three gaps and two tilts for three angles, two of them independent on the manifold only
+    a, b, twist = 0.3, 0.5, 0.6
+    other = float(np.arcsin(np.sin(twist) * b / a))
+
+    def end(length: float, angle: float) -> Placement:
+        return Placement((length, 0, 0), (Rotation("x", degrees=float(np.degrees(angle))),))
+
+    m = nullbody.MechanismBuilder("bennett")
+    for name, length in (("l1", a), ("l2", b), ("l3", a)):
+        m.body(name, 1, (length / 2, 0, 0), (0.02, 0.04, 0.05))
+    m.revolute("j1", "ground", "l1")
+    m.revolute("j2", "l1", "l2", at=end(a, twist))
+    m.revolute("j3", "l2", "l3", at=end(b, other))
+    m.revolute("j4", "l3", "ground", at=end(a, twist), on=end(-b, -other))
+    m.home(j1=0.8, j2=2.816, j3=-0.8)
+    model = nullbody.build(nullbody.derive(m.build()))
+    state = nullbody.assemble(model, {})
+    assert np.abs(model.residual(state.q)).max() < 1e-13
+    assert np.abs(model.evaluate("redundant", state.q)[0]).max() < 1e-13
+    assert nullbody.derive(model.mechanism).mobility.nv == 1

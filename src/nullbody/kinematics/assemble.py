@@ -9,7 +9,7 @@ from numbers import Real
 import numpy as np
 
 from nullbody.errors import AssemblyError, InputError, UnknownName
-from nullbody.kinematics.newton import Closed, close_loops, closed_to
+from nullbody.kinematics.newton import Closed, close_loops
 from nullbody.model import Model, State, checked_model, vector
 from nullbody.model.check import check_redundant
 from nullbody.typing import FloatArray, IndexArray
@@ -200,10 +200,11 @@ class _Path:
 
         fit = least_squares(gaps, q[self.free].copy(), jac=slopes, method="trf", x_scale=1.0)
         q[self.free] = fit.x
+        polished = self._closed(q)  # near rows that repeat others on the manifold Newton alone may not get here
+        if polished.converged:
+            return polished
         residual = float(np.abs(fit.fun).max(initial=0.0))
-        return Closed(
-            q, residual, closed.steps, closed.moved, converged=residual <= closed_to(self.model.jacobian(q, self.t), q)
-        )
+        return Closed(q, residual, closed.steps, closed.moved, converged=False)
 
 
 def _branch_ends(known: Mapping[str, float], reach: float, path: _Path) -> AssemblyError:
