@@ -82,6 +82,7 @@ class Integration:
         self._watched = [SWITCH_SPREAD, SWITCH_DOUBT]  # |N|^2 and doubt at which another look is due
         self._first = 1.0  # regularity of A at the start
         self._usual = 1.0  # the same, or what it rose to where it began beside a singularity
+        self._doubt = 1.0  # at the end of the last step
         self._least_doubt = np.inf  # seen so far in this chart
         self._leaping = False
         self._longest = 0.0  # step so far
@@ -243,10 +244,10 @@ class Integration:
         if not self.settings.switch:
             return False
         motion, t = piece.motion, piece.t1
-        doubt = motion.measures(t, y)[3]
-        self._least_doubt = min(self._least_doubt, doubt)
+        self._doubt = motion.measures(t, y)[3]
+        self._least_doubt = min(self._least_doubt, self._doubt)
         short = t - piece.t0 < _SHORTER * _longest_of(run.pieces)
-        if doubt < _CLOSER * self._least_doubt and not short:
+        if self._doubt < _CLOSER * self._least_doubt and not short:
             return False
         return regularity(motion.chart, y[: motion.nq], t) < _BESIDE * self._first
 
@@ -315,11 +316,11 @@ class Integration:
         q = y[: motion.nq]
         if not open_by <= CLOSED_STEP and not open_by <= 10 * closed_to(motion.chart.jacobian(q, t), q):
             return Outcome.LOOPS_OPEN, f" (|Phi| = {open_by:.1e} m)"
-        _, delta, spread, doubt = motion.measures(t, y)
         if not self.settings.switch:
+            _, delta, spread, _ = motion.measures(t, y)
             if not spread < SIMULATED_SPREAD:
                 return self._singular(motion, delta, spread)
-        elif not doubt < _WITHIN or length < _SUDDEN:
+        elif not self._doubt < _WITHIN or length < _SUDDEN:
             left = regularity(motion.chart, q, t) / self._usual
             self._creeping = self._creeping + 1 if left < _NEAR and length < _SUDDEN else 0
             if (left < _DECIDED and not self._leaping) or (left < _NEAR and length < _CREEP) or self._creeping > _MANY:
