@@ -40,6 +40,7 @@ ROUTINES = {
     "kinematics": 667,
     "forward_dynamics": 1149,
     "inverse_dynamics": 1060,
+    "closing": 576,
     "reactions": 486,
     "energy": 101,
 }

@@ -8,7 +8,7 @@ A q'' + c = 0                    c = dr/dt with q'' = 0
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from nullbody.equations.motion import MotionExpressions
 from nullbody.errors import MechanismError
@@ -38,6 +38,17 @@ class Closures:
     b: list[Expr]
     c: list[Expr]
     facing: tuple[tuple[str, Expr], ...]
+
+    def kept(self, rows: Sequence[int]) -> Closures:
+        """Some rows, each one with its entries of Phi, A, b and c; Phi is 0 where a row is nonholonomic."""
+        return replace(
+            self,
+            labels=tuple(self.labels[i] for i in rows),
+            Phi=[self.Phi[i] if i < len(self.Phi) else 0 * self.c[i] for i in rows],
+            A=[self.A[i] for i in rows],
+            b=[self.b[i] for i in rows],
+            c=[self.c[i] for i in rows],
+        )
 
 
 def closures(mechanism: Mechanism, motion: MotionExpressions) -> Closures:

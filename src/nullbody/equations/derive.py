@@ -7,7 +7,6 @@ frames [20-25] -> Phi, A, b, c [26, 6, 7] -> M, h, T, U [27-35] and loads -> row
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 from nullbody.equations.choice import Choice, choose, dependent
@@ -62,12 +61,7 @@ def derive(
     manifold = Manifold(loops, (list(q.values()), motion.time), values, home)
     chart = choose(mechanism, loops, manifold, independent, rows)
     symbols = _Symbols(graph, mechanism, chart.independent)
-    kept = replace(
-        loops,
-        A=[loops.A[i] for i in chart.rows],
-        b=[loops.b[i] for i in chart.rows],
-        c=[loops.c[i] for i in chart.rows],
-    )
+    kept = loops.kept(chart.rows)
     sizes = sizes_at(names, [sample.q for sample in manifold.samples], values)
     space = _null_space(kept.A, names, chart.independent, sizes)
     reduction = _Reduction(loads, kept, space, symbols)
@@ -220,6 +214,7 @@ class _Reduction:
             "inverse_dynamics": Routine(
                 ("q", "v", "v_dot"), {"Qr": Qr, "u": required_inputs(Br, Qr), "Br": Br, **check, "loss": cancelled}
             ),
+            "closing": Routine(("q",), {"correction": space.offset(self.kept.Phi), **check}),
             "reactions": Routine(("q", "q_dot", "u", "q_ddot"), {"lam": lam}),
             "energy": Routine(("q", "q_dot"), {"T": bodies.T, "U": bodies.U}),
         }

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,9 +16,10 @@ from nullbody.mechanism import Mechanism
 from nullbody.model.actuation import Actuation, required, solved
 from nullbody.model.check import check_closed, check_dynamic, check_regular
 from nullbody.model.state import State, vector
+from nullbody.model.values import Energy, NullSpaceValues
 from nullbody.typing import FloatArray
 
-__all__ = ["Energy", "Model", "NullSpaceValues", "checked_model"]
+__all__ = ["Model", "checked_model"]
 
 
 def checked_model(model: object) -> None:
@@ -30,26 +30,6 @@ def checked_model(model: object) -> None:
     """
     if not isinstance(model, Model):
         raise InputError(f"a Model from nullbody.build(equations) is needed here, not {type(model).__name__}")
-
-
-class Energy(NamedTuple):
-    """Kinetic and potential energy [J]."""
-
-    kinetic: float
-    potential: float
-
-    @property
-    def total(self) -> float:
-        """T + U [J]."""
-        return self.kinetic + self.potential
-
-
-class NullSpaceValues(NamedTuple):
-    """N (nq x nv), gamma (nq) and delta = |B| at one state."""
-
-    N: FloatArray
-    gamma: FloatArray
-    delta: float
 
 
 @dataclass(frozen=True, eq=False)
