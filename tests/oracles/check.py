@@ -27,6 +27,9 @@ __all__ = [
     "routines",
 ]
 
+#: Places of alpha1, alpha2, alpha3, the basis in which the robot's dynamics are written.
+HINGES = [6, 7, 8]
+
 #: Relative to the largest entry: some thousand roundings, the samples' condition numbers are below about 1000.
 ROUNDING = 1e-11
 
@@ -108,7 +111,7 @@ def dynamics(found: Quantities, sample: Sample) -> None:
 
 
 def routines(found: Quantities, sample: Sample) -> None:
-    """What routines repeat of the named outputs, and spread = |N|^2 of the dependent rows."""
+    """What routines repeat of the named outputs, and spread: |N|^2 of the dependent rows, |W|^2 |P^-1|^2 in a basis."""
     for routine, outputs in (
         ("closure", ("Phi", "A")),
         ("rows", ("A",)),
@@ -119,11 +122,16 @@ def routines(found: Quantities, sample: Sample) -> None:
             close(found[f"{routine}.{name}"], sample.truth[name], f"{routine}: {name}")
     for name in ("b", "rows.b", "beta"):
         close(found[name], np.zeros(found[name].shape), f"{name} without drivers")
-    spread = (sample.truth["N"][:9] ** 2).sum()
-    for routine in ("kinematics", "forward_dynamics", "inverse_dynamics"):
-        close(found[f"{routine}.spread"], spread, f"{routine}: spread")
+    close(found["closing.correction"], sample.truth["correction"], "closing: correction")
     M, N = sample.truth["M"], sample.truth["N"]
-    size, Mr = (N**2).T @ np.diag(M), N.T @ M @ N
+    for routine in ("kinematics", "closing"):
+        close(found[f"{routine}.spread"], (N[:9] ** 2).sum(), f"{routine}: spread")
+    close(found["closing.delta"], sample.truth["delta"], "closing: delta")
+    transfer = N[HINGES]  # rates of the basis per unit of v
+    W = N @ np.linalg.inv(transfer)
+    size, Mr = (W**2).T @ np.diag(M), W.T @ M @ W
+    for routine in ("forward_dynamics", "inverse_dynamics"):
+        close(found[f"{routine}.spread"], (W**2).sum() * (transfer**2).sum(), f"{routine}: spread")
     pivots = np.diag(np.linalg.cholesky(Mr)) ** 2
     close(found["forward_dynamics.loss"], (size / pivots).sum(), "forward_dynamics: loss")
     close(found["inverse_dynamics.loss"], (size / np.diag(Mr)).sum(), "inverse_dynamics: loss")

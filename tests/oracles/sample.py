@@ -46,6 +46,7 @@ def sample(seed: int) -> Sample:
     values |= dict(zip(INPUTS, u, strict=True))
     gamma = np.concatenate([-np.linalg.solve(A[:, :9], truth["c"]), np.zeros(3)])
     more = {"Q": Q, "N": N, "gamma": gamma, "delta": np.linalg.det(A[:, :9]), "u": u, "v": v}
+    more["correction"] = np.concatenate([-np.linalg.solve(A[:, :9], truth["Phi"]), np.zeros(3)])
     return Sample(values, truth | more | {"q_dot": N @ v, "q_ddot": solution[:12], "lam": solution[12:]})
 
 
@@ -70,7 +71,11 @@ def all_outputs(equations: Equations) -> dict[str, Any]:
 def evaluate(outputs: Mapping[str, Any], values: Mapping[str, float]) -> dict[str, NDArray[np.float64]]:
     """The outputs at values of the symbols, by the interpreter."""
     expressions: list[Expr] = [f for output in outputs.values() for f in flat(output)]
-    return arranged(outputs, Tape.of(expressions, tuple(values)).run(list(values.values())))
+    found = np.zeros(len(expressions))
+    for graph in {id(f.graph): f.graph for f in expressions}.values():
+        places = [k for k, f in enumerate(expressions) if f.graph is graph]
+        found[places] = Tape.of([expressions[k] for k in places], tuple(values)).run(list(values.values()))
+    return arranged(outputs, found)
 
 
 def arranged(outputs: Mapping[str, Any], numbers: Iterable[float]) -> dict[str, NDArray[np.float64]]:

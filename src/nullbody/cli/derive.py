@@ -22,6 +22,9 @@ EXAMPLES = (
     "nullbody derive three_prs -o equations.tex",
 )
 
+#: What routines are called for; their other outputs are rates, power and what tells whether a result is sound.
+_RESULTS = (("forward_dynamics", "q_ddot"), ("inverse_dynamics", "u"), ("kinematics", "N"))
+
 Latex = Annotated[str | None, typer.Option(metavar="OUTPUT", help="Print one output as LaTeX, such as N_scaled.")]
 Ops = Annotated[bool, typer.Option("--ops", help="Print a table of operation counts.")]
 
@@ -69,6 +72,7 @@ def _entries(derived: Equations) -> dict[str, Any]:
         "mechanism": derived.mechanism.name,
         "coordinates": derived.coordinates,
         "independent": derived.independent,
+        "basis": derived.basis,
         "inputs": derived.inputs,
         "closures": derived.labels,
         "redundant_closures": derived.redundant,
@@ -83,6 +87,7 @@ def _entries(derived: Equations) -> dict[str, Any]:
 def _print_operations(derived: Equations) -> None:
     counted = [(name, derived.operations(name)) for name in derived.outputs]
     compiled = [(name, derived.routine_operations(name)) for name in derived.routines]
+    compiled += [(f"{name}: {output}", derived.routine_operations(name, output)) for name, output in _RESULTS]
     for kind, counts in (("output", counted), ("routine", compiled)):
         rows = [(name, n.arithmetic, n.add, n.mul, n.div, n.sqrt, n.trig) for name, n in counts]
         print_table((kind, "arithmetic", "+", "*", "/", "sqrt", "sin, cos"), rows)

@@ -4,5 +4,6 @@ from nullbody.equations.derive import derive
 from nullbody.equations.equations import Equations, Routine
 from nullbody.equations.mobility import Mobility
 from nullbody.equations.presentation import flat, shape
+from nullbody.equations.programs import programs
 
-__all__ = ["Equations", "Mobility", "Routine", "derive", "flat", "shape"]
+__all__ = ["Equations", "Mobility", "Routine", "derive", "flat", "programs", "shape"]

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from nullbody.equations.motion import MotionExpressions
 from nullbody.errors import MechanismError
 from nullbody.expr import Expr, directional, jacobian, substitute
-from nullbody.expr.matrix import matvec
 from nullbody.mechanism import Mechanism
 
 __all__ = ["Closures", "closures"]
@@ -30,6 +29,7 @@ class Closures:
         b: nc; zero without drivers.
         c: nc.
         facing: cosines that are positive where loops are closed the right way round, with the loops' names.
+        holonomic: whether every row is one of Phi.
     """
 
     labels: tuple[str, ...]
@@ -38,6 +38,7 @@ class Closures:
     b: list[Expr]
     c: list[Expr]
     facing: tuple[tuple[str, Expr], ...]
+    holonomic: bool
 
     def kept(self, rows: Sequence[int]) -> Closures:
         """Some rows, each one with its entries of Phi, A, b and c; Phi is 0 where a row is nonholonomic."""
@@ -48,6 +49,7 @@ class Closures:
             A=[self.A[i] for i in rows],
             b=[self.b[i] for i in rows],
             c=[self.c[i] for i in rows],
+            holonomic=all(i < len(self.Phi) for i in rows),
         )
 
 
@@ -61,22 +63,24 @@ def closures(mechanism: Mechanism, motion: MotionExpressions) -> Closures:
     Phi, facing = _holonomic(mechanism, motion)
     q, rates = list(motion.q.values()), list(motion.rates.values())
     one = zero + 1
+    along = {**dict(zip(q, rates, strict=True)), motion.time: one}
+    rows = directional(Phi, along)
+    c = directional(rows, along)
     A = jacobian(Phi, q) if Phi else []
     b = directional(Phi, {motion.time: one})
-    rows = [zero + product + moved for product, moved in zip(matvec(A, rates), b, strict=True)]
     slips = [zero + slip for c in mechanism.constraints for slip in c.nonholonomic(motion)]
     slip_A = jacobian(slips, rates) if slips else []
     _check_linear(mechanism, slip_A, rates)
     _check_moving(mechanism, slips, slip_A)
     slip_b = substitute(slips, dict.fromkeys(rates, zero))
-    along = {**dict(zip(q, rates, strict=True)), motion.time: one}
     return Closures(
         labels=tuple(label for label, _ in (*mechanism.holonomic_rows, *mechanism.nonholonomic_rows)),
         Phi=Phi,
         A=[*A, *slip_A],
         b=[*b, *slip_b],
-        c=directional([*rows, *slips], along),
+        c=[*c, *directional(slips, along)],
         facing=facing,
+        holonomic=not slips,
     )
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from nullbody.equations.mobility import Mobility
 from nullbody.equations.presentation import flat, latex_definition, summary
 from nullbody.errors import UnknownName
-from nullbody.expr import Graph, Operations, operations
+from nullbody.expr import Expr, Graph, Operations, operations
 from nullbody.mechanism import Mechanism
 from nullbody.nullspace import SymbolicNullSpace
 
@@ -29,6 +29,11 @@ class Routine:
     inputs: tuple[str, ...]
     outputs: Mapping[str, Any]
 
+    @property
+    def expressions(self) -> list[Expr]:
+        """The entries of all outputs in their order; all are in one graph."""
+        return [f for output in self.outputs.values() for f in flat(output)]
+
 
 @dataclass(frozen=True)
 class Equations:
@@ -46,6 +51,8 @@ class Equations:
         graph: holds all expressions.
         coordinates: names of q.
         independent: names of the independent coordinates; v holds their rates.
+        basis: names of the coordinates in whose rates forward and inverse dynamics are written inside. Where they are
+            others than the independent ones, the expressions of these two routines are in a graph of their own.
         labels: where every row of A comes from ("leg1 x"), in the order of lambda.
         closure_labels: the same for Phi: rows that others repeat only where the loops are closed are in Phi, not in A;
             rows of rolling contacts are in A, not in Phi.
@@ -62,6 +69,7 @@ class Equations:
     graph: Graph
     coordinates: tuple[str, ...]
     independent: tuple[str, ...]
+    basis: tuple[str, ...]
     labels: tuple[str, ...]
     closure_labels: tuple[str, ...]
     redundant: tuple[str, ...]
@@ -91,15 +99,37 @@ class Equations:
         """Operation counts of some outputs evaluated together; of all outputs by default."""
         return operations([f for name in names or self.outputs for f in flat(self[name])])
 
-    def routine_operations(self, name: str) -> Operations:
-        """Operation counts of a routine, as it is compiled."""
+    def routine_operations(self, name: str, *outputs: str) -> Operations:
+        """Operation counts of a routine as it is compiled, or of some of its outputs alone.
+
+        Raises:
+            UnknownName: there is no such routine, or no such output of it.
+        """
         if name not in self.routines:
             raise UnknownName("routine", name, self.routines)
-        return operations([f for value in self.routines[name].outputs.values() for f in flat(value)])
+        found = self.routines[name].outputs
+        for output in outputs:
+            if output not in found:
+                raise UnknownName(f"output of {name}", output, found)
+        return operations([f for output in outputs or found for f in flat(found[output])])
 
     def latex(self, name: str) -> str:
         """An output as LaTeX (amsmath), with the sub-expressions it shares named z_1, z_2, ..."""
         return latex_definition(name, self[name])
+
+    def to_casadi(self) -> dict[str, Any]:
+        """CasADi functions (SX) of all routines by name, with named inputs q, v, u, ..., t, p and named outputs.
+
+        t is an input only where something depends on the time; p takes `mechanism.values()` in their order. CasADi
+        differentiates them, calls them in its solvers and writes C code.
+
+        Raises:
+            InputError: CasADi is not installed.
+        """
+        from nullbody.equations.programs import programs
+        from nullbody.expr.casadi_writer import casadi_function
+
+        return {p.name: casadi_function(p.name, p.tape, p.inputs, p.outputs) for p in programs(self)}
 
     def __str__(self) -> str:
         return summary(self)

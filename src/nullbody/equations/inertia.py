@@ -33,13 +33,37 @@ __all__ = ["Inertia", "inertia"]
 
 
 @dataclass(frozen=True)
+class Spin:
+    """How a body turns in space.
+
+    Attributes:
+        W: omega = W q', 3 x nq, in the body's axes.
+        I_C: its inertia about its centre, in those axes.
+        torque: I_C omega'_0 + omega x I_C omega.
+    """
+
+    W: list[list[Any]]
+    I_C: list[list[Any]]
+    torque: list[Any]
+
+
+@dataclass(frozen=True)
 class Inertia:
-    """M (nq x nq), h (nq), T and U [J] of the bodies in redundant coordinates."""
+    """M (nq x nq), h (nq), T and U [J] of the bodies in redundant coordinates.
+
+    Attributes:
+        rest_M, rest_h: M and h without what is in `spins`.
+        spins: bodies that turn about changing axes. M = rest_M + sum W^T I_C W, h = rest_h + sum W^T torque; N^T M N is
+            cheaper by way of the angular velocities W N.
+    """
 
     M: list[list[Any]]
     h: list[Any]
     T: Any
     U: Any
+    rest_M: list[list[Any]]
+    rest_h: list[Any]
+    spins: tuple[Spin, ...]
 
 
 def inertia(
@@ -51,26 +75,42 @@ def inertia(
 ) -> Inertia:
     """Assemble M, h, T = q'^T M q' / 2 and U from all bodies with mass."""
     names = list(q)
+    rest_M: dict[tuple[str, str], list[Any]] = {}
     M: dict[tuple[str, str], list[Any]] = {}
+    rest_h: dict[str, list[Any]] = {name: [] for name in names}
     h: dict[str, list[Any]] = {name: [] for name in names}
     potentials: list[Any] = []
+    spins: list[Spin] = []
     gravity = scalars.triple(mechanism.gravity)
     euler = frozenset(name for name, unit in mechanism.units.items() if unit == "")
+    zero = scalars(0)  # products leave a plain 0 where all terms vanish; zero + 0 makes it an expression
     for body in mechanism.bodies:
         frame = found[body.name]
         mass, centre = scalars(body.mass), scalars.triple(body.centre)
         columns = {name: (W, add(V, cross(W, centre))) for name, (W, V) in frame.columns.items()}
-        potential = scalars(0) - mass * dot(gravity, frame.point(centre))
+        potential = zero - mass * dot(gravity, frame.point(centre))
         potentials.append(potential)
         moving = _MovingBody(body, mass, columns, frame, potential, euler)
-        _add_mass(M, moving, scalars)
-        for name, force in _bias(moving, scalars, gravity, q, rates).items():
-            h[name].append(force)
-    zero = scalars(0)  # products leave a plain 0 where all terms vanish; zero + 0 makes it an expression
-    matrix = [[zero + total(M.get((i, j), M.get((j, i), []))) for j in names] for i in names]
+        torque = _torque(moving, scalars, q, rates)
+        spatial = moving.spatial
+        if spatial:
+            W = [[zero + columns[name][0][k] if name in columns else 0 for name in names] for k in range(3)]
+            spins.append(Spin(W, _inertia_matrix(moving, scalars), torque))
+        _add_mass(M, moving, scalars, turning=True)
+        _add_mass(rest_M, moving, scalars, turning=not spatial)
+        for name, (whole, moved) in _bias(moving, scalars, gravity, (q, rates), torque).items():
+            h[name].append(whole)
+            rest_h[name].append(moved if spatial else whole)
+    matrix, rest = (_matrix(entries, names, zero) for entries in (M, rest_M))
     momentum = matvec(matrix, [rates[name] for name in names])
     T = (zero + dot(momentum, [rates[name] for name in names])) / 2
-    return Inertia(matrix, [zero + total(h[name]) for name in names], T, zero + total(potentials))
+    bias, rest_bias = ([zero + total(forces[name]) for name in names] for forces in (h, rest_h))
+    return Inertia(matrix, bias, T, zero + total(potentials), rest, rest_bias, tuple(spins))
+
+
+def _matrix(entries: Mapping[tuple[str, str], list[Any]], names: list[str], zero: Expr) -> list[list[Any]]:
+    """The symmetric matrix of the sums of entries."""
+    return [[zero + total(entries.get((i, j), entries.get((j, i), []))) for j in names] for i in names]
 
 
 @dataclass(frozen=True)
@@ -84,51 +124,70 @@ class _MovingBody:
     potential: Expr
     euler: frozenset[str]
 
+    @property
+    def spatial(self) -> bool:
+        """Whether three coordinates or more turn it, about axes that change in the body itself."""
+        turning = [W for W, _ in self.columns.values() if any(e != 0 for e in W)]
+        return len(turning) > 2 and any(isinstance(e, Expr) and e.constant is None for W in turning for e in W)
 
-def _add_mass(M: dict[tuple[str, str], list[Any]], moving: _MovingBody, scalars: ParameterScalars) -> None:
-    """Add one body's share to M; entries that vanish are left out."""
+
+def _add_mass(
+    M: dict[tuple[str, str], list[Any]], moving: _MovingBody, scalars: ParameterScalars, *, turning: bool
+) -> None:
+    """Add one body's share to M, with or without its turning; entries that vanish are left out."""
     names, I_C = list(moving.columns), _inertia_matrix(moving, scalars)
     for i, name in enumerate(names):
         W_i, J_i = moving.columns[name]
         turned = matvec(I_C, W_i)
         for other in names[i:]:
             W_j, J_j = moving.columns[other]
-            entry = moving.mass * (scalars(0) + dot(J_i, J_j)) + dot(turned, W_j)
+            entry = moving.mass * (scalars(0) + dot(J_i, J_j))
+            entry = entry + dot(turned, W_j) if turning else entry
             if entry != 0:
                 key = (other, name) if (other, name) in M else (name, other)
                 M.setdefault(key, []).append(entry)
+
+
+def _torque(
+    moving: _MovingBody, scalars: ParameterScalars, q: Mapping[str, Expr], rates: Mapping[str, Expr]
+) -> list[Any]:
+    """I omega'_0 + omega x I omega."""
+    names, zero = list(moving.columns), scalars(0)
+    if not names:
+        return [0, 0, 0]
+    omega = matvec(transpose([W for W, _ in moving.columns.values()]), [rates[name] for name in names])
+    I_C = _inertia_matrix(moving, scalars)
+    seeds = {q[name]: rates[name] for name in names}
+    return add(matvec(I_C, directional([zero + e for e in omega], seeds)), cross(omega, matvec(I_C, omega)))
 
 
 def _bias(
     moving: _MovingBody,
     scalars: ParameterScalars,
     gravity: list[Any],
-    q: Mapping[str, Expr],
-    rates: Mapping[str, Expr],
-) -> dict[str, Any]:
-    """One body's share of h, by coordinate; none of a body that is fixed on the ground."""
-    names, zero = list(moving.columns), scalars(0)
+    motion: tuple[Mapping[str, Expr], Mapping[str, Expr]],
+    torque: list[Any],
+) -> dict[str, tuple[Any, Any]]:
+    """One body's share of h, with and without its turning, by coordinate; none of a body fixed on the ground."""
+    (q, rates), names, zero = motion, list(moving.columns), scalars(0)
     if not names:
         return {}
     W = [moving.columns[name][0] for name in names]
     J = [moving.columns[name][1] for name in names]
     speed = [rates[name] for name in names]
     omega, velocity = matvec(transpose(W), speed), matvec(transpose(J), speed)
-    seeds = {q[name]: rates[name] for name in names}
-    change = directional([zero + e for e in velocity], seeds)
+    change = directional([zero + e for e in velocity], {q[name]: rates[name] for name in names})
     acceleration = add(change, cross(omega, velocity))
     weight = matvec(transpose(moving.frame.pose.rotation), gravity)
-    I_C = _inertia_matrix(moving, scalars)
-    torque = add(matvec(I_C, directional([zero + e for e in omega], seeds)), cross(omega, matvec(I_C, omega)))
     forces = {}
     for i, name in enumerate(names):
         turning = zero + dot(W[i], torque)
-        direct = moving.mass * (zero + dot(J[i], add(acceleration, scale(-1, weight)))) + turning
+        direct = moving.mass * (zero + dot(J[i], add(acceleration, scale(-1, weight))))
         coupled = [speed[j] * dot(omega, cross(J[j], J[i])) for j in range(len(names)) if j != i]
-        energetic = moving.mass * (zero + dot(J[i], change) + total(coupled)) + turning
-        energetic = energetic + derivative(moving.potential, q[name])
+        energetic = moving.mass * (zero + dot(J[i], change) + total(coupled)) + derivative(moving.potential, q[name])
         choice = (direct,) if name in moving.euler else (energetic, direct)
-        forces[name] = min(choice, key=lambda force: operations([force]).arithmetic)
+        whole = min((force + turning for force in choice), key=lambda force: operations([force]).arithmetic)
+        forces[name] = whole, min(choice, key=lambda force: operations([force]).arithmetic)
     return forces
 
 

@@ -15,7 +15,7 @@ from nullbody.equations.inertia import Inertia
 from nullbody.equations.motion import MotionExpressions
 from nullbody.errors import MechanismError
 from nullbody.expr import Expr, derivative, directional, jacobian
-from nullbody.expr.matrix import total
+from nullbody.expr.matrix import add, total
 from nullbody.mechanism import AbstractLoad, Mechanism
 
 __all__ = ["Loaded", "loaded"]
@@ -37,7 +37,8 @@ def loaded(mechanism: Mechanism, bodies: Inertia, motion: MotionExpressions) -> 
     """
     zero = motion.scalar(0)
     q, rates = list(motion.q.values()), list(motion.rates.values())
-    M, h, T, U = [list(row) for row in bodies.M], list(bodies.h), bodies.T, bodies.U
+    M, h = [[zero for _ in q] for _ in q], [zero for _ in q]
+    T, U = bodies.T, bodies.U
     power: list[Expr] = []
     for load in mechanism.loads:
         potential = zero + load.potential(motion)
@@ -52,7 +53,9 @@ def loaded(mechanism: Mechanism, bodies: Inertia, motion: MotionExpressions) -> 
             for j, rate in enumerate(rates):
                 h[j] = h[j] - effort * derivative(flow, rate)
             power.append(effort * flow)
-    return Loaded(Inertia(M, h, T, U), zero + total(power))
+    whole_M, rest_M = ([add(*rows) for rows in zip(m, M, strict=True)] for m in (bodies.M, bodies.rest_M))
+    whole_h, rest_h = add(bodies.h, h), add(bodies.rest_h, h)
+    return Loaded(Inertia(whole_M, whole_h, T, U, rest_M, rest_h, bodies.spins), zero + total(power))
 
 
 def _efforts(load: AbstractLoad, motion: MotionExpressions) -> Sequence[tuple[Expr, Expr]]:

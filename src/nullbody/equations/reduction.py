@@ -41,6 +41,11 @@ class Reduced:
     Mr: list[list[Any]]
     hr: list[Any]
 
+    def plus(self, other: Reduced) -> Reduced:
+        """The sum of two systems that move with the same velocities."""
+        rows = zip(self.Mr, other.Mr, strict=True)
+        return Reduced([add(a, b) for a, b in rows], add(self.hr, other.hr))
+
 
 def reduce(M: Matrix, h: Vector, N: Matrix, gamma: Vector) -> Reduced:
     """Mr = N^T M N and hr = N^T (h + M gamma); the lower triangle of Mr is the upper one."""

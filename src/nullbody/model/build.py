@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from nullbody.equations import Equations, flat, shape
+from nullbody.equations import Equations, programs
 from nullbody.errors import InputError
-from nullbody.expr import Tape
-from nullbody.kernels import Program, compile_programs
+from nullbody.kernels import compile_programs
 from nullbody.model.model import Model
 
 __all__ = ["build", "programs"]
@@ -41,21 +40,3 @@ def build(equations: Equations, parameters: Mapping[str, float] | None = None) -
         values=tuple(values.values()),
         library=library,
     )
-
-
-def programs(equations: Equations) -> list[Program]:
-    """The routines of some equations as programs; the time, where it enters, and parameters p come last in each."""
-    made = []
-    for name, routine in equations.routines.items():
-        groups = [*routine.inputs, *(["t"] if equations.groups["t"] else []), "p"]
-        inputs = [symbol for group in groups for symbol in equations.groups[group]]
-        results = [expression for output in routine.outputs.values() for expression in flat(output)]
-        made.append(
-            Program(
-                name=name,
-                inputs=tuple((group, len(equations.groups[group])) for group in groups),
-                outputs=tuple((key, shape(output)) for key, output in routine.outputs.items()),
-                tape=Tape.of(results, inputs),
-            )
-        )
-    return made

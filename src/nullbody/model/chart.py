@@ -39,4 +39,4 @@ def chart(model: Model, independent: tuple[str, ...], rows: tuple[str, ...] | No
 
 @lru_cache(maxsize=_KEPT)
 def _built(key: Key, independent: tuple[str, ...], rows: tuple[str, ...] | None) -> Model:
-    return build(derive(key.mechanism, independent, rows=rows))
+    return build(derive(key.mechanism, independent, rows=rows, basis=independent))

@@ -14,13 +14,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, final
 
 from nullbody.errors import InputError, UnknownName
-from nullbody.expr import Expr, Graph, Operations, operations
+from nullbody.expr import Expr, Graph, LinearForm, Operations, operations
 from nullbody.expr.matrix import total
 from nullbody.nullspace.elimination import Elimination
 from nullbody.nullspace.given import Given
 from nullbody.nullspace.result import FORMS, Form, NullSpace
 from nullbody.nullspace.scalar import is_constant, is_zero
-from nullbody.nullspace.steps import Sparse, dense_rows
+from nullbody.nullspace.steps import Scale, Sparse, dense_rows
 from nullbody.tolerances import EPS
 
 if TYPE_CHECKING:
@@ -94,6 +94,17 @@ class SymbolicNullSpace(NullSpace):
     def simplified(self) -> Rows:
         """The rows that were used after constant row operations: the same null space, fewer operations."""
         return dense_rows(self._factors.simplified, self.shape[0])
+
+    def simplify(self, forms: Sequence[LinearForm]) -> list[LinearForm]:
+        """Right-hand sides of A taken to those of `simplified`, by the same constant row operations."""
+        found = [forms[i] for i in self.rows]
+        for step in self._factors.steps[: self._factors.simplifications]:
+            factor = step.factor.constant
+            if isinstance(step, Scale):
+                found[step.row] = found[step.row].scaled(factor)
+            else:
+                found[step.row] = found[step.row].minus(factor, found[step.source])
+        return found
 
     def offset(self, c: Sequence[Any], *, of_simplified: bool = False) -> tuple[Any, ...]:
         """gamma with A gamma + c = 0 and zeros in the independent places: gamma = [-B^-1 c; 0].

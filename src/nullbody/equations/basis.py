@@ -1,0 +1,164 @@
+"""The basis: the coordinates in whose rates the dynamics are written, v itself or others that cost less.
+
+Coordinates that could serve belong together: those of one joint that has enough of them (the platform's), or one from
+each of several joints that are alike (the hinges of the legs). They must be independent, with room to spare, in every
+configuration that was sampled; the ones with which forward_dynamics takes the fewest operations are taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from nullbody.equations.choice import dependent
+from nullbody.equations.closure import Closures
+from nullbody.equations.dynamics import Dynamics
+from nullbody.equations.equations import Routine
+from nullbody.equations.load import Loaded
+from nullbody.equations.manifold import Sample
+from nullbody.equations.sizes import sizes_at
+from nullbody.equations.symbols import Symbols
+from nullbody.errors import InputError, SingularityError, UnknownName
+from nullbody.expr import Expr, Graph, in_copy, operations
+from nullbody.mechanism import Mechanism
+from nullbody.nullspace import echelon
+from nullbody.nullspace.call import symbolic_null_space
+from nullbody.nullspace.given import Given
+from nullbody.nullspace.plan import Plan
+from nullbody.nullspace.steps import sparse_rows
+
+__all__ = ["Terms", "written_in"]
+
+_ROOM = 0.1  # smallest singular value of Z[w] in every sample: 1 at best, 0 where the basis is singular
+
+
+@dataclass(frozen=True, eq=False)
+class Terms:
+    """What the dynamics are made of, in one graph.
+
+    Attributes:
+        loads: M, h and the power of the loads.
+        kept: independent rows of A.
+        symbols: of q, v and so on.
+    """
+
+    loads: Loaded
+    kept: Closures
+    symbols: Symbols
+
+    def of(self, graph: Graph) -> Terms:
+        """The same in a copy of the graph."""
+        return Terms(in_copy(self.loads, graph), in_copy(self.kept, graph), self.symbols.of(graph))
+
+    def dynamics(self, basis: tuple[str, ...], samples: Sequence[Sample], witness: int | None = None) -> Dynamics:
+        """The dynamics written in a basis; `witness` as in `Dynamics`.
+
+        Raises:
+            SingularityError: |B| is identically zero; the message names coordinates that would do.
+        """
+        mechanism, A = self.symbols.mechanism, self.kept.A
+        names, columns = mechanism.coordinates, self.symbols.places(basis)
+        sizes = sizes_at(names, [sample.q for sample in samples], mechanism.values())
+        given = Given("expressions", sparse_rows(A), len(names))
+        try:
+            space = symbolic_null_space(given, columns, plan=Plan(offsets=True, sizes=sizes))
+        except SingularityError:
+            form = echelon(A, [j for j in range(len(names)) if j not in columns] + columns)
+            would_do = [name for j, name in enumerate(names) if j not in form.columns]
+            raise dependent(basis, would_do) from None
+        return Dynamics(self.loads, self.kept, space, self.symbols, witness)
+
+
+def written_in(
+    mechanism: Mechanism,
+    terms: Terms,
+    direct: Dynamics,
+    blank: Graph,
+    samples: Sequence[Sample],
+    basis: Sequence[str] | None,
+) -> tuple[tuple[str, ...], dict[str, Routine]]:
+    """The basis, and forward and inverse dynamics written in it.
+
+    Args:
+        mechanism: whose they are.
+        terms: what they are made of.
+        direct: the dynamics written in the independent coordinates.
+        blank: a copy of the graph from before those were written: an expression keeps the form it first had.
+        samples: configurations with closed loops.
+        basis: the one that is wanted; None chooses.
+
+    Raises:
+        UnknownName, InputError, SingularityError: the wanted basis is none.
+        MechanismError: a motion moves no mass.
+    """
+    independent = terms.symbols.independent
+    wanted = None if basis is None else checked_basis(mechanism, basis, len(independent))
+    routines = direct.routines()
+    if wanted is not None and set(wanted) == set(independent):
+        return independent, routines
+    delta = terms.symbols.zero + direct.space.delta
+    witness = delta.graph.value(delta.ref)
+    found = [(_cost(routines), independent, routines)] if wanted is None else []
+    for names in candidates(mechanism, samples, independent) if wanted is None else [wanted]:
+        graph = blank.copy()
+        routines = terms.of(graph).dynamics(names, samples, witness).routines()
+        found.append((_cost(routines), names, routines))
+    _, chosen, routines = min(found, key=lambda entry: entry[0])
+    if chosen != independent:
+        _expressions(routines)[0].graph.verify()
+    return chosen, routines
+
+
+def _cost(routines: dict[str, Routine]) -> int:
+    return operations(_expressions(routines)).arithmetic
+
+
+def _expressions(routines: dict[str, Routine]) -> list[Expr]:
+    """Those of forward_dynamics; plain zeros and ones are none."""
+    return [f for f in routines["forward_dynamics"].expressions if isinstance(f, Expr)]
+
+
+def checked_basis(mechanism: Mechanism, basis: Sequence[str], nv: int) -> tuple[str, ...]:
+    """The names of a basis.
+
+    Raises:
+        UnknownName, InputError: they are no coordinates, or not nv of them.
+    """
+    names = (basis,) if isinstance(basis, str) else tuple(basis)
+    for name in names:
+        if name not in mechanism.coordinates:
+            raise UnknownName("coordinate", name, mechanism.coordinates)
+    if len(set(names)) != len(names) or len(names) != nv:
+        raise InputError(f"a basis of {mechanism.name!r} has {nv} coordinates, not {list(names)}")
+    return names
+
+
+def candidates(mechanism: Mechanism, samples: Sequence[Sample], independent: tuple[str, ...]) -> list[tuple[str, ...]]:
+    """Bases other than the independent coordinates that are regular in all samples."""
+    if not samples or not independent:
+        return []
+    names, nv = mechanism.coordinates, len(independent)
+    found: list[tuple[str, ...]] = []
+    for group in _groups(mechanism, nv):
+        places = [names.index(name) for name in group]
+        columns = sorted(samples[0].independent_columns(places))
+        basis = tuple(names[k] for k in columns)
+        if not set(columns) <= set(places) or set(basis) == set(independent) or basis in found:
+            continue
+        if all(sample.quality(columns) >= _ROOM for sample in samples):
+            found.append(basis)
+    return found
+
+
+def _groups(mechanism: Mechanism, nv: int) -> list[tuple[str, ...]]:
+    """Coordinates that belong together, at least nv of them."""
+    alike: dict[tuple[str, int, int], list[str]] = {}
+    depth = {"ground": 0}
+    groups: list[tuple[str, ...]] = []
+    for joint in mechanism.tree_order():
+        depth[joint.child] = depth[joint.parent] + 1
+        if len(joint.coordinates) >= nv:
+            groups.append(joint.coordinates)
+        for k, name in enumerate(joint.coordinates):
+            alike.setdefault((type(joint).__name__, depth[joint.child], k), []).append(name)
+    return groups + [tuple(names) for names in alike.values() if len(names) == nv > 1]
