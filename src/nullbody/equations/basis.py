@@ -157,7 +157,7 @@ def _groups(mechanism: Mechanism, nv: int) -> list[tuple[str, ...]]:
     groups: list[tuple[str, ...]] = []
     for joint in mechanism.tree_order():
         depth[joint.child] = depth[joint.parent] + 1
-        if len(joint.coordinates) >= nv:
+        if len(joint.coordinates) >= max(nv, 2):
             groups.append(joint.coordinates)
         for k, name in enumerate(joint.coordinates):
             alike.setdefault((type(joint).__name__, depth[joint.child], k), []).append(name)

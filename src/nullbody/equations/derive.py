@@ -43,10 +43,8 @@ def derive(
         independent: names of the coordinates whose rates are v, nq - rank A of them; the actuated ones by
             default where they are as many and regular, otherwise those for which |B| is large at the home.
         rows: labels of the rows of A to keep, rank A of them; chosen by default.
-        basis: names of the coordinates in whose rates forward and inverse dynamics are written inside, as many;
-            by default those with which forward dynamics take the fewest operations. v stays what it is. Results are
-            refused where the basis is singular; with the independent coordinates themselves there is no other such
-            place than theirs.
+        basis: names of the coordinates in whose rates forward and inverse dynamics are written inside, as many; by
+            default those with which forward dynamics take the fewest operations. v stays what it is.
 
     Raises:
         UnknownName: a name is no coordinate, a label no row.
@@ -73,7 +71,6 @@ def derive(
     routines = {**_closure_routines(loops, terms.kept, chart), **_routines(direct)}
     chosen, written = written_in(mechanism, terms, direct, blank, manifold.samples, basis)
     graph.verify()
-    zero = terms.symbols.zero
     return Equations(
         mechanism=mechanism,
         graph=graph,
@@ -85,8 +82,8 @@ def derive(
         redundant=tuple(label for i, label in enumerate(loops.labels) if i not in chart.rows),
         facing=tuple(loop for loop, _ in loops.facing),
         mobility=chart.mobility,
-        outputs={name: _expressions(output, zero) for name, output in outputs.items()},
-        routines={name: _expressed(routine, zero) for name, routine in {**routines, **written}.items()},
+        outputs={name: _expressions(output, terms.symbols.zero) for name, output in outputs.items()},
+        routines={name: _expressed(routine, terms.symbols.zero) for name, routine in {**routines, **written}.items()},
         groups=terms.symbols.groups,
         null_space=direct.space,
     )

@@ -32,6 +32,7 @@ def build(equations: Equations, parameters: Mapping[str, float] | None = None) -
     return Model(
         mechanism=equations.mechanism,
         independent=equations.independent,
+        basis=equations.basis,
         labels=equations.labels,
         closure_labels=equations.closure_labels,
         facing=equations.facing,

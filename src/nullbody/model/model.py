@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,10 +15,16 @@ from nullbody.errors import InputError
 from nullbody.kernels import Library
 from nullbody.mechanism import Mechanism
 from nullbody.model.actuation import Actuation, required, solved
-from nullbody.model.check import check_closed, check_dynamic, check_regular
+from nullbody.model.check import check_closed
+from nullbody.model.evaluated import forward, inverse, kinematics
 from nullbody.model.state import State, vector
 from nullbody.model.values import Energy, NullSpaceValues
 from nullbody.typing import FloatArray
+
+if TYPE_CHECKING:
+    from nullbody.model.batch import Batch
+    from nullbody.model.derivatives import Derivatives
+    from nullbody.model.jax_functions import JaxFunctions
 
 __all__ = ["Model", "checked_model"]
 
@@ -39,6 +46,7 @@ class Model:
     Attributes:
         mechanism: what it models.
         independent: names of the independent coordinates; v holds their rates.
+        basis: names of the coordinates in whose rates the kernels of the dynamics are written inside.
         labels: where every row of A comes from ("leg1 x"), in the order of lambda.
         closure_labels: the same for Phi.
         facing: loops that could also close with an axis reversed.
@@ -50,6 +58,7 @@ class Model:
 
     mechanism: Mechanism
     independent: tuple[str, ...]
+    basis: tuple[str, ...]
     labels: tuple[str, ...]
     closure_labels: tuple[str, ...]
     facing: tuple[str, ...]
@@ -124,6 +133,23 @@ class Model:
         names = (parameter.name for parameter in self.mechanism.parameters)
         return MappingProxyType(dict(zip(names, self.values, strict=True)))
 
+    @cached_property
+    def derivatives(self) -> Derivatives:
+        """Exact Jacobians of the rates, of forward and inverse dynamics and of a step; compiled when first called."""
+        from nullbody.model.derivatives import Derivatives
+
+        return Derivatives(self)
+
+    def as_jax(self) -> JaxFunctions:
+        """JAX functions of the rates, of forward and inverse dynamics, differentiable once.
+
+        Raises:
+            InputError: JAX is not installed, or computes in single precision.
+        """
+        from nullbody.model.jax_functions import jax_functions
+
+        return jax_functions(self)
+
     def replace(self, **values: float) -> Model:
         """The same code with other parameter values; nothing is compiled.
 
@@ -150,6 +176,16 @@ class Model:
             return self
         return chart(self, tuple(independent), None if rows is None else tuple(rows))
 
+    @property
+    def plain(self) -> Model:
+        """The same model with all its kernels written in the independent coordinates; itself where it is one.
+
+        Where the basis is singular, the kernels of the dynamics refuse states in which this one is regular.
+        """
+        from nullbody.model.chart import chart
+
+        return self if self.basis == self.independent else chart(self, self.independent, self.labels)
+
     def state(self, q: object, v: object = None, *, t: float = 0.0) -> State:
         """A checked state.
 
@@ -173,6 +209,13 @@ class Model:
         return State(q, v, self.coordinates, self.independent, self.values, t)
 
     # -- kernels --------------------------------------------------------------------------------------------
+
+    @cached_property
+    def batch(self) -> Batch:
+        """The same on arrays with a row for each state."""
+        from nullbody.model.batch import Batch
+
+        return Batch(self)
 
     @cached_property
     def _p(self) -> FloatArray:
@@ -201,6 +244,8 @@ class Model:
 
     def all_rows(self, q: FloatArray, t: float = 0.0) -> tuple[tuple[str, ...], FloatArray]:
         """Labels and rows of A, those included that repeat others only where the loops are closed."""
+        if len(self.all_labels) == len(self.closure_labels):
+            return self.all_labels, self.jacobian(q, t)
         A, _ = self.rows(q, t)
         slips = [i for i, label in enumerate(self.labels) if label not in self.closure_labels]
         return self.all_labels, np.vstack([self.jacobian(q, t), A[slips]])
@@ -211,7 +256,7 @@ class Model:
         Raises:
             SingularityError: |B| vanishes for these independent coordinates.
         """
-        N, gamma, _, delta = self._kinematics(state)
+        N, gamma, _, delta = kinematics(self, state)
         return NullSpaceValues(N, gamma, float(delta))
 
     def velocity(self, state: State) -> FloatArray:
@@ -220,7 +265,7 @@ class Model:
         Raises:
             SingularityError: |B| vanishes for these independent coordinates.
         """
-        return self._kinematics(state)[2]
+        return kinematics(self, state)[2]
 
     def acceleration(self, state: State, v_dot: object) -> FloatArray:
         """q'' = N v' + gamma, all accelerations for given independent ones [m/s^2, rad/s^2].
@@ -242,7 +287,7 @@ class Model:
         Raises:
             SingularityError: |B| vanishes for these independent coordinates.
         """
-        return self._forward(state, self.input_vector(u))[0]
+        return forward(self, self.own(state), self.input_vector(u))[0]
 
     def inverse_dynamics(self, state: State, v_dot: object) -> FloatArray:
         """u with Br u = Mr v' + hr: the inputs for given independent accelerations [42].
@@ -265,7 +310,7 @@ class Model:
                 "forces that are missing, `generalized_forces` gives N^T Q"
             )
         state = self.own(state)
-        Qr, u, Br = self._inverse(state, wanted)
+        Qr, u, Br = inverse(self, state, wanted)
         return required(self, state, Qr, u, Br.reshape(len(Qr), len(self.inputs)))
 
     def actuation(self, state: State, v_dot: object) -> Actuation:
@@ -278,7 +323,7 @@ class Model:
         """
         wanted = vector(v_dot, self.independent, "independent acceleration")
         state = self.own(state)
-        Qr, _, Br = self._inverse(state, wanted)
+        Qr, _, Br = inverse(self, state, wanted)
         return solved(self, state, Qr, Br.reshape(len(Qr), len(self.inputs)))
 
     def generalized_forces(self, state: State, v_dot: object) -> FloatArray:
@@ -287,7 +332,7 @@ class Model:
         Raises:
             SingularityError: |B| vanishes for these independent coordinates.
         """
-        return self._inverse(self.own(state), vector(v_dot, self.independent, "independent acceleration"))[0]
+        return inverse(self, self.own(state), vector(v_dot, self.independent, "independent acceleration"))[0]
 
     def reactions(self, state: State, u: object = None) -> FloatArray:
         """lambda with A^T lambda = Q - M q'' - h, for the motion that the inputs u cause.
@@ -304,7 +349,7 @@ class Model:
         """
         inputs = self.input_vector(u)
         state = self.own(state)
-        q_ddot, q_dot = self._forward(state, inputs)
+        q_ddot, q_dot = forward(self, state, inputs)
         return self.evaluate("reactions", state.q, q_dot, inputs, q_ddot, t=state.t)[0]
 
     def energy(self, state: State) -> Energy:
@@ -341,26 +386,6 @@ class Model:
             q_dot = self.in_chart(state.independent).velocity(state)
             return self.trusted_state(state.q.copy(), q_dot[self.independent_columns], state.t)
         return state
-
-    def _kinematics(self, state: State) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """(N, gamma, q', delta), checked."""
-        state = self.own(state)
-        N, gamma, q_dot, delta, spread, doubt = self.evaluate("kinematics", state.q, state.v, t=state.t)
-        check_regular(self.independent, delta, spread, doubt)
-        return N, gamma, q_dot, delta
-
-    def _forward(self, state: State, inputs: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """(q'', q') for given inputs, checked."""
-        state = self.own(state)
-        q_ddot, q_dot, *measures, _ = self.evaluate("forward_dynamics", state.q, state.v, inputs, t=state.t)
-        check_dynamic(self.independent, q_ddot, *measures)
-        return q_ddot, q_dot
-
-    def _inverse(self, state: State, v_dot: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """(Qr, u, Br), checked."""
-        Qr, u, Br, *measures = self.evaluate("inverse_dynamics", state.q, state.v, v_dot, t=state.t)
-        check_dynamic(self.independent, Qr, *measures)
-        return Qr, u, Br
 
     def __repr__(self) -> str:
         changed = "".join(f", {name}={value:g}" for name, value in self.given.items())
