@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nullbody.equations import Mobility
-from nullbody.errors import InputError
-from nullbody.kernels import Library
+from nullbody.errors import InputError, UnknownName
+from nullbody.kernels import BoundKernel, Library
 from nullbody.mechanism import Mechanism
 from nullbody.model.actuation import Actuation, required, solved
 from nullbody.model.check import check_closed
@@ -228,6 +228,14 @@ class Model:
         if self.rheonomic:
             return self.library.kernels[routine](*groups, np.array([t]), self._p)
         return self.library.kernels[routine](*groups, self._p)
+
+    def bound(self, routine: str) -> BoundKernel:
+        """A kernel for a fast loop, its parameters filled in: no check, no new arrays, about a microsecond a call."""
+        if routine not in self.library.kernels:
+            raise UnknownName("routine", routine, self.library.kernels)
+        kernel = self.library.kernels[routine].bound()
+        kernel.inputs["p"][:] = self.values
+        return kernel
 
     def residual(self, q: FloatArray, t: float = 0.0) -> FloatArray:
         """Phi(q, t) [m], without any check."""

@@ -1,0 +1,81 @@
+"""A kernel bound to memory of its own, for loops in which a call must cost next to nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import prod
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from nullbody.errors import InputError
+from nullbody.kernels.block import label
+
+if TYPE_CHECKING:
+    from nullbody.kernels.kernel import Kernel
+
+__all__ = ["BoundKernel"]
+
+
+class BoundKernel:
+    """A kernel whose inputs and outputs are arrays that stay where they are: a call allocates no arrays.
+
+    Called with vectors for the first input groups, it writes them into `inputs`, leaves the other groups as they are
+    and evaluates the program. Results are read from `outputs`; the next call overwrites
+    them. Not for several threads at once.
+
+    Args:
+        kernel: whose function it calls.
+
+    Attributes:
+        inputs: the input groups by name, to write to.
+        outputs: the output groups by name, views of the memory that the function writes.
+    """
+
+    def __init__(self, kernel: Kernel) -> None:
+        program = kernel.program
+        self.program = program
+        self._kernel = kernel  # keeps the code in memory
+        self._source = np.zeros(max(1, len(program.tape.inputs)))
+        self._target = np.zeros(max(1, len(program.tape.outputs)))
+        self.inputs = _views(self._source, [(name, (size,)) for name, size in program.inputs])
+        self.outputs = _views(self._target, program.outputs)
+        self._places = tuple(self.inputs.values())
+        self._results = tuple(self.outputs.values())
+        self._function = kernel.function
+        self._at = self._source.ctypes.data, self._target.ctypes.data
+
+    def __call__(self, *groups: ArrayLike) -> tuple[NDArray[np.float64], ...]:
+        """Evaluate the program.
+
+        Args:
+            groups: vectors for the first input groups, in their order; none where `inputs` holds what is wanted.
+
+        Returns:
+            The arrays of `outputs`, in their order.
+
+        Raises:
+            InputError: too many groups, or one that does not fit.
+        """
+        try:
+            for place, group in zip(self._places, groups, strict=False):
+                place[:] = group
+        except (TypeError, ValueError) as error:
+            raise InputError(f"kernel {label(self.program)}: an input does not fit: {error}") from None
+        if len(groups) > len(self._places):
+            raise InputError(f"kernel {label(self.program)} takes {len(self._places)} input groups, not {len(groups)}")
+        self._function(*self._at)
+        return self._results
+
+
+def _views(
+    memory: NDArray[np.float64], groups: Sequence[tuple[str, tuple[int, ...]]]
+) -> Mapping[str, NDArray[np.float64]]:
+    """Parts of the memory by name, one after the other."""
+    found, start = {}, 0
+    for name, shape in groups:
+        found[name] = memory[start : start + prod(shape)].reshape(shape)
+        start += prod(shape)
+    return MappingProxyType(found)
