@@ -9,7 +9,21 @@ import sympy
 from hypothesis import given
 
 from nullbody.errors import InputError
-from nullbody.expr import Expr, Graph, Tape, cos, derivative, directional, jacobian, sin, sqrt, substitute
+from nullbody.expr import (
+    Expr,
+    Graph,
+    Tape,
+    calculus,
+    cos,
+    derivative,
+    directional,
+    gradient,
+    jacobian,
+    operations,
+    sin,
+    sqrt,
+    substitute,
+)
 from tests.expr.random_expression import FLOATS, NAMES, Algebra, build, graph_algebra, points, programs
 
 COMPLEX = {"sin": cmath.sin, "cos": cmath.cos, "sqrt": cmath.sqrt}
@@ -89,6 +103,76 @@ def test_directional_of_a_shared_and_a_negated_function(graph: Graph) -> None:
 def test_jacobian_has_a_row_for_each_function(graph: Graph) -> None:
     x, y = graph.symbol("x"), graph.symbol("y")
     assert jacobian([x * y, x - y, graph.constant(1)], [x, y]) == [[y, x], [1, -1], [0, 0]]
+
+
+def test_jacobian_of_nothing_has_no_rows_and_refuses_what_is_no_symbol(graph: Graph) -> None:
+    x = graph.symbol("x")
+    assert jacobian([], [x]) == []
+    assert jacobian([x, -x], []) == [[], []]
+    for wrong in (x * x, -x):
+        with pytest.raises(InputError, match="expected a symbol"):
+            jacobian([x], [wrong])
+    with pytest.raises(InputError, match="different graphs"):
+        jacobian([x], [Graph().symbol("x")])
+
+
+@given(programs())
+def test_gradient_is_the_row_of_the_jacobian(program: list) -> None:
+    """Exactly: both become the same nodes, since their values in the prime field are equal."""
+    graph = Graph()
+    function = build(program, graph_algebra(graph))
+    symbols = [graph.symbol(name) for name in NAMES]
+    (row,) = jacobian([function], symbols)
+    assert [graph.value(slope.ref) for slope in gradient(function, symbols)] == [graph.value(x.ref) for x in row]
+
+
+def test_gradient_of_signs_shared_parts_and_constants(graph: Graph) -> None:
+    x, y = graph.symbol("x"), graph.symbol("y")
+    assert gradient(-(x * y), [x, y]) == [-y, -x]
+    assert gradient(-x, [x, y]) == [-1, 0]
+    assert gradient(graph.constant(2), [x]) == [0]
+    assert gradient(x - (y - x) ** 2, [x, y]) == [1 + 2 * (y - x), -2 * (y - x)]
+    assert gradient(sqrt(x) / cos(y), [x, y]) == jacobian([sqrt(x) / cos(y)], [x, y])[0]
+    with pytest.raises(InputError, match="expected a symbol"):
+        gradient(x, [x * y])
+
+
+def test_gradient_takes_at_most_four_times_the_operations_whatever_the_number_of_symbols(graph: Graph) -> None:
+    symbols = [graph.symbol(f"x{k}") for k in range(40)]
+    product = symbols[0]
+    for k, x in enumerate(symbols[1:]):
+        product = sin(product * x) if k % 3 else product * x + x
+    count = operations([product]).arithmetic
+    forward = operations(jacobian([product], symbols)[0]).arithmetic
+    backward = Graph()
+    again = [backward.symbol(f"x{k}") for k in range(40)]
+    product = again[0]
+    for k, x in enumerate(again[1:]):
+        product = sin(product * x) if k % 3 else product * x + x
+    reverse = operations(gradient(product, again)).arithmetic
+    assert reverse <= 4 * count < forward
+
+
+@pytest.mark.parametrize("operation", ["add", "sub", "mul", "sin", "cos", "inv", "sqrt"])
+def test_a_planted_sign_error_is_caught(operation: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    right = calculus._tangent
+
+    def wrong(graph: Graph, node: int, tangent: dict[int, int]) -> int:
+        ref = right(graph, node, tangent)
+        return graph.negate(ref) if graph.code[node][0] == operation else ref
+
+    def error() -> float:
+        graph = Graph()
+        x, y, _ = (graph.symbol(name) for name in NAMES)
+        function = x * sin(x + y) - y * cos(x) + 1 / (2 + x) + sqrt(3 + x * y) + x
+        point = [0.3, 0.7, 0.1]
+        shifted = [complex(value, 1e-30 * (name == "x")) for name, value in zip(NAMES, point, strict=True)]
+        expected = complex(Tape.of([function], NAMES).run(shifted, COMPLEX)[0]).imag / 1e-30
+        return abs(_value(derivative(function, x), point) - expected)
+
+    assert error() < 1e-14
+    monkeypatch.setattr(calculus, "_tangent", wrong)
+    assert error() > 1e-3
 
 
 @given(programs(), points())

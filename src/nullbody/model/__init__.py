@@ -2,17 +2,34 @@
 
 from nullbody.model.actuation import Actuation
 from nullbody.model.build import build, programs
+from nullbody.model.derivatives import Derivatives
+from nullbody.model.jax_functions import JaxFunctions
 from nullbody.model.linear import rate_jacobian
 from nullbody.model.model import Model, checked_model
 from nullbody.model.state import State, vector
-from nullbody.model.values import Energy, NullSpaceValues
+from nullbody.model.values import (
+    Energy,
+    ForwardDerivatives,
+    InverseDerivatives,
+    LinearModel,
+    NullSpaceValues,
+    RateDerivatives,
+    StepDerivatives,
+)
 
 __all__ = [
     "Actuation",
+    "Derivatives",
     "Energy",
+    "ForwardDerivatives",
+    "InverseDerivatives",
+    "JaxFunctions",
+    "LinearModel",
     "Model",
     "NullSpaceValues",
+    "RateDerivatives",
     "State",
+    "StepDerivatives",
     "build",
     "checked_model",
     "programs",
