@@ -9,16 +9,14 @@ a sign, products and reciprocals pass signs on, sums become differences.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from nullbody.kernels.number import BLOCK, Lines, Number
 from nullbody.kernels.program import Program
 from nullbody.kernels.trigonometry import WEIGHTS, sincos_ir, sincos_name
+from nullbody.kernels.walk import Walk
 
 __all__ = ["function_name", "module_ir"]
-
-_BINARY = ("add", "sub", "mul")
-_LEAVES = ("symbol", "const")
 
 #: Slots in one basic block. LLVM takes 0.1 to 0.2 ms for each up to there, and ever longer beyond.
 _PIECE = 1000
@@ -50,13 +48,13 @@ def module_ir(functions: Sequence[tuple[Program, Number]], triple: str, layout: 
 
 
 class _Printer:
-    """Prints one program; `values[k]` is (operand text, sign bit) of slot k."""
+    """Prints one program: it is the writer of the walk along the tape."""
 
     def __init__(self, program: Program, number: Number) -> None:
         self.program = program
         self.number = number
         self.ir = Lines(number)
-        self.values: dict[int, tuple[str, int]] = {}
+        self.walk = Walk(program.tape, self)
         self.angles: dict[str, str] = {}
 
     def functions(self) -> str:
@@ -75,11 +73,11 @@ class _Printer:
         """
         self.ir.lines.append("  %never = icmp eq ptr %out, null")
         for k, ref in enumerate(self.program.tape.outputs):
-            for slot in self._missing(ref >> 1):
-                self.values[slot] = self._operation(slot)
-                if len(self.values) % _PIECE == 0:
-                    self._cut(f"slot{len(self.values)}")
-            value = self._plain(ref)
+            for slot in self.walk.missing(ref >> 1):
+                self.walk.write(slot)
+                if len(self.walk.values) % _PIECE == 0:
+                    self._cut(f"slot{len(self.walk.values)}")
+            value = self.walk.plain(ref)
             place = self._place("%out", k)
             self.ir.lines.append(f"  store {self.number.text} {value}, ptr {place}, align {self.number.bits // 8}")
             if (k + 1) % _RESULTS == 0:
@@ -121,69 +119,58 @@ end:
 }}
 """
 
-    def _missing(self, slot: int) -> Iterator[int]:
-        """The slots that a slot needs and that are not printed yet, operands first, itself last."""
-        code, values = self.program.tape.code, self.values
-        stack = [slot]
-        while stack:
-            top = stack[-1]
-            if top in values:
-                stack.pop()
-                continue
-            op, a, b = code[top]
-            operands = (b >> 1, a >> 1) if op in _BINARY else () if op in _LEAVES else (a >> 1,)
-            if waiting := [k for k in operands if k not in values]:
-                stack += waiting
-            else:
-                stack.pop()
-                yield top
-
-    def _operation(self, slot: int) -> tuple[str, int]:
-        op, a, b = self.program.tape.code[slot]
-        if op == "const":
-            return self.number.constant(self.program.tape.constants[a]), 0
-        if op == "symbol":
-            place = self._place("%in", a)
-            return self.ir.emit(f"load {self.number.text}, ptr {place}, align {self.number.bits // 8}"), 0
-        if op == "mul":
-            return self._product(a, b)
-        if op in ("add", "sub"):
-            return self._sum(a, b ^ (op == "sub"))
-        return self._unary(op, a)
-
     def _place(self, base: str, index: int) -> str:
         """Where input or output `index` is."""
         offset = index * BLOCK if self.number.wide else index
         return self.ir.emit(f"getelementptr {self.number.element}, ptr {base}, i64 {offset}")
 
-    def _read(self, ref: int) -> tuple[str, int]:
-        text, sign = self.values[ref >> 1]
-        return text, sign ^ ref & 1
+    # -- what the walk asks for --------------------------------------------------------------------------------
 
-    def _plain(self, ref: int) -> str:
-        """An operand without sign."""
-        text, sign = self._read(ref)
-        return self.ir.emit(f"fneg {self.number.text} {text}") if sign else text
+    def constant(self, value: float) -> str:
+        """A constant in all lanes."""
+        return self.number.constant(value)
 
-    def _product(self, a: int, b: int) -> tuple[str, int]:
-        left, s = self._read(a)
-        right, t = self._read(b)
-        return self.ir.mul(left, right), s ^ t
+    def symbol(self, index: int) -> str:
+        """Load an input."""
+        place = self._place("%in", index)
+        return self.ir.emit(f"load {self.number.text}, ptr {place}, align {self.number.bits // 8}")
 
-    def _sum(self, a: int, b: int) -> tuple[str, int]:
-        left, s = self._read(a)
-        right, t = self._read(b)
-        if s and not t:
-            left, right = right, left
-        return self.ir.op("fadd" if s == t else "fsub", left, right), s & t
+    def add(self, a: str, b: str) -> str:
+        """A sum."""
+        return self.ir.add(a, b)
 
-    def _unary(self, op: str, a: int) -> tuple[str, int]:
-        if op == "sqrt":
-            return self.ir.intrinsic("sqrt", self._plain(a)), 0
-        text, sign = self._read(a)
-        number = self.number
-        if op == "inv":
-            return self.ir.emit(f"fdiv {number.text} {number.constant(1.0)}, {text}"), sign
-        if text not in self.angles:
-            self.angles[text] = self.ir.emit(f"call {number.pair} {sincos_name(number)}({number.text} {text})")
-        return self.ir.part(self.angles[text], int(op == "cos")), sign if op == "sin" else 0
+    def sub(self, a: str, b: str) -> str:
+        """A difference."""
+        return self.ir.sub(a, b)
+
+    def mul(self, a: str, b: str) -> str:
+        """A product."""
+        return self.ir.mul(a, b)
+
+    def negative(self, a: str) -> str:
+        """The opposite."""
+        return self.ir.emit(f"fneg {self.number.text} {a}")
+
+    def inverse(self, a: str) -> str:
+        """A reciprocal, which never fuses."""
+        return self.ir.emit(f"fdiv {self.number.text} {self.number.constant(1.0)}, {a}")
+
+    def sqrt(self, a: str) -> str:
+        """LLVM's own root."""
+        return self.ir.intrinsic("sqrt", a)
+
+    def sin(self, a: str) -> str:
+        """The first half of the pair."""
+        return self.ir.part(self._pair(a), 0)
+
+    def cos(self, a: str) -> str:
+        """The second half of the pair."""
+        return self.ir.part(self._pair(a), 1)
+
+    def _pair(self, angle: str) -> str:
+        """Sine and cosine of an angle, called for once."""
+        if angle not in self.angles:
+            self.angles[angle] = self.ir.emit(
+                f"call {self.number.pair} {sincos_name(self.number)}({self.number.text} {angle})"
+            )
+        return self.angles[angle]
