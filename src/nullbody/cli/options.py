@@ -113,7 +113,6 @@ def mechanism_of(name: str) -> Mechanism:
 
 def model_of(name: str, independent: Sequence[str] | None, parameters: Sequence[str] | None) -> Model:
     """The model of a mechanism of the catalog or of a model file, as `--independent` and `--set` ask for it."""
-    from nullbody.equations import derive
     from nullbody.model import build
 
-    return build(derive(mechanism_of(name), names(independent) or None), assignments(parameters, "--set"))
+    return build(mechanism_of(name), assignments(parameters, "--set"), independent=names(independent) or None)

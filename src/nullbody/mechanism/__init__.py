@@ -11,6 +11,7 @@ from nullbody.mechanism.constraints import (
     Nonholonomic,
     RollingDisc,
 )
+from nullbody.mechanism.fingerprint import fingerprint
 from nullbody.mechanism.joints import (
     AbstractJoint,
     AbstractLoopJoint,
@@ -75,4 +76,5 @@ __all__ = [
     "Universal",
     "Weld",
     "Wrench",
+    "fingerprint",
 ]

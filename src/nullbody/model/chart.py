@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import lru_cache
 
-from nullbody.equations import derive
 from nullbody.mechanism import Mechanism
 from nullbody.model.build import build
 from nullbody.model.model import Model
@@ -39,4 +38,4 @@ def chart(model: Model, independent: tuple[str, ...], rows: tuple[str, ...] | No
 
 @lru_cache(maxsize=_KEPT)
 def _built(key: Key, independent: tuple[str, ...], rows: tuple[str, ...] | None) -> Model:
-    return build(derive(key.mechanism, independent, rows=rows, basis=independent))
+    return build(key.mechanism, independent=independent, rows=rows, basis=independent)
