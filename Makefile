@@ -44,8 +44,8 @@ regenerate: $(READY) ## rewrite the committed golden files that the tests compar
 pictures: $(READY) ## draw the pictures of docs/catalog.md again
 	@$(BIN)/python -m tests.docs.catalog
 
-bench: $(READY) ## measure against other tools and print ratios
-	@$(BIN)/python -m benchmarks
+bench: $(READY) ## measure speed beside other tools into out/bench (five minutes; ARGS=--quick: a half)
+	@$(BIN)/nullbody bench --html out/bench/index.html --json out/bench/bench.json $(ARGS)
 
 clean: ## remove .venv, out and what the tools leave behind
 	rm -rf $(VENV) out build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
@@ -61,6 +61,6 @@ $(READY): pyproject.toml constraints.txt
 	    echo "$(VENV) could not be made. On Debian and Ubuntu: apt install python3-venv; otherwise name a Python that has venv and pip: make PYTHON=/path/to/python3"; exit 1; }; \
 	fi
 	@echo "Installing into $(VENV): a minute or two, once."
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[verify,symbolic,dev]' || { \
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[verify,symbolic,native,optimal,jax,fmu,dev]' || { \
 	  echo "The installation failed; the reason is above. Check the network and run make again."; exit 1; }
 	@touch $@

@@ -39,10 +39,11 @@ if TYPE_CHECKING:  # the same names once more, for type checkers and editors
     from nullbody.mechanism import Mechanism, MechanismBuilder
     from nullbody.model import Model, State, build
     from nullbody.nullspace import NullSpace, null_space
-    from nullbody.simulate import Event, Trajectory, simulate
+    from nullbody.simulate import BatchTrajectory, Event, Trajectory, simulate, simulate_batch
 
 __all__ = [
     "AssemblyError",
+    "BatchTrajectory",
     "CacheError",
     "Equations",
     "Event",
@@ -80,6 +81,7 @@ __all__ = [
     "read_model",
     "report",
     "simulate",
+    "simulate_batch",
     "singularity",
     "verify",
 ]
@@ -88,6 +90,7 @@ __version__ = "0.1.0"
 
 _PACKAGES = {"catalog", "control", "export", "nullspace", "report", "verify"}
 _HOME = {
+    "BatchTrajectory": "simulate",
     "Equations": "equations",
     "Event": "simulate",
     "Graph": "expr",
@@ -106,6 +109,7 @@ _HOME = {
     "null_space": "nullspace",
     "read_model": "formats",
     "simulate": "simulate",
+    "simulate_batch": "simulate",
     "singularity": "kinematics",
 }
 

@@ -19,7 +19,8 @@ LAYERS = (
     ("model",),
     ("kinematics",),
     ("simulate",),
-    ("bench", "control", "analysis", "study", "verify"),
+    ("control", "analysis", "study", "verify"),
+    ("bench",),
     ("report", "viewer", "export"),
     ("cli",),
     ("__main__",),  # `python -m nullbody`: one call of the command line

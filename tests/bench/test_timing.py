@@ -15,7 +15,8 @@ from nullbody.nullspace import null_space
 
 
 def test_median_and_spread() -> None:
-    assert Timing.of([1.0, 2.0, 3.0, 4.0, 5.0]) == Timing(3.0, 2 / 3)
+    assert Timing.of([1.0, 2.0, 3.0, 4.0, 5.0]) == Timing(3.0, 2 / 3, 1.0)
+    assert Timing.of([2.0]) == Timing(2.0, 0.0)
 
 
 def test_seconds_per_call_divides_by_the_calls() -> None:

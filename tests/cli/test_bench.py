@@ -6,6 +6,8 @@ import json
 from pathlib import Path
 
 from nullbody.bench.settings import PARTS, Settings
+from nullbody.bench.speed import SUBJECTS
+from nullbody.cli.bench import _subjects
 
 LINE = "bench nullspace --quick --limit 0 --only symbolic"
 
@@ -21,7 +23,7 @@ def test_bench_writes_files_and_makes_their_folder(nullbody, tmp_path: Path) -> 
     ended = nullbody(f"{LINE} --json out/bench.json --html out/bench.html")
     assert ended.code == 0, ended.err
     found = json.loads((tmp_path / "out" / "bench.json").read_text(encoding="utf-8"))
-    assert {row["part"] for row in found["rows"]} == {"symbolic"}
+    assert set(found) == {"nullspace"} and {row["part"] for row in found["nullspace"]["rows"]} == {"symbolic"}
     assert "operations for N, 3-PRS generic" in (tmp_path / "out" / "bench.html").read_text(encoding="utf-8")
     assert "written: out/bench.json" in ended.err
 
@@ -29,18 +31,37 @@ def test_bench_writes_files_and_makes_their_folder(nullbody, tmp_path: Path) -> 
 def test_help_shows_the_default_limits(nullbody) -> None:
     text = " ".join(nullbody("bench --help").out.split())
     assert f"({Settings.full().limit:g}; quick: {Settings.quick().limit:g})" in text
-    assert all(part in text for part in PARTS)
+    assert all(part in text for part in (*PARTS, *SUBJECTS))
+
+
+def test_subjects_come_in_their_order_and_all_by_default() -> None:
+    known = (*SUBJECTS, "nullspace")
+    assert _subjects(None) == _subjects(["all"]) == _subjects(["dynamics", "all"]) == known
+    assert _subjects(["nullspace", "build", "build"]) == ("build", "nullspace")
+
+
+def test_speed_and_null_space_together(nullbody, tmp_path: Path) -> None:
+    ended = nullbody(f"{LINE} batch --json bench.json --html bench.html")
+    assert ended.code == 0, ended.err
+    assert "forward dynamics, many states" in ended.out and "3-PRS generic" in ended.out
+    found = json.loads((tmp_path / "bench.json").read_text(encoding="utf-8"))
+    assert found["speed"]["subjects"] == ["batch"] and found["nullspace"]["rows"]
+    page = (tmp_path / "bench.html").read_text(encoding="utf-8")
+    assert "Many states at once" in page and "Symbols: the 3-PRS" in page and "<svg" in page
 
 
 def test_bench_prints_json_alone(nullbody) -> None:
     found = nullbody(f"{LINE} --json -").json
-    assert found["rows"][0]["reference"] is True and found["rows"][0]["operations"] > 100
+    row = found["nullspace"]["rows"][0]
+    assert row["reference"] is True and row["operations"] > 100
 
 
 def test_bench_refuses_at_once(nullbody, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
     for line, words in (
         ("bench nullspce", "did you mean 'nullspace'"),
+        ("bench build dynamic", "did you mean 'dynamics'"),
+        ("bench build --only symbolic", "belong to nullspace, which is not among build"),
         ("bench nullspace --only symbols", "there is no part of the benchmark 'symbols'"),
         ("bench nullspace --limit -1", "time limit"),
         ("bench nullspace --json file/bench.json", "is a file, not a folder"),

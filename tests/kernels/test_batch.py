@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 import threading
+import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +16,7 @@ from nullbody.expr.tape import Tape
 from nullbody.kernels import BLOCK, Kernel, Program, block, compile_programs, interpret
 from nullbody.kernels import compile as compile_module
 from nullbody.kernels.number import Number
+from nullbody.kernels.threads import shared_out
 from nullbody.kernels.trigonometry import RANGE
 
 EMPTY = np.zeros(0)
@@ -60,7 +62,7 @@ def test_every_width_gives_the_same(
 def test_any_number_of_states_will_do(
     states: int, random_program: Callable[..., Program], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(block, "_CHUNK", 5000)  # three blocks
+    monkeypatch.setattr(block, "_GRAIN", 3)
     program, groups = random_program(1), _states(1, states)
     results = compile_programs([program]).kernels["f"].batch(*groups)
     assert [r.shape for r in results] == [(states, 3, 4), (states,), (states, 2)]
@@ -85,6 +87,82 @@ def test_results_are_new_arrays(random_program: Callable[..., Program]) -> None:
     kept = [r.copy() for r in first]
     kernel.batch(*_states(4, 10))
     assert all(np.array_equal(r, k) for r, k in zip(first, kept, strict=True))
+
+
+@pytest.mark.parametrize("threads", [1, 2, 5])
+def test_threads_change_no_bit(
+    threads: int, random_program: Callable[..., Program], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(block, "_GRAIN", 2)
+    kernel, groups = compile_programs([random_program(3)]).kernels["f"], _states(3, 501)
+    expected = kernel.batch(*groups, threads=1)
+    assert all(np.array_equal(a, b) for a, b in zip(kernel.batch(*groups, threads=threads), expected, strict=True))
+
+
+def test_results_go_where_they_are_wanted(random_program: Callable[..., Program]) -> None:
+    kernel, groups = compile_programs([random_program(3)]).kernels["f"], _states(3, 21)
+    expected = kernel.batch(*groups)
+    room = [np.full((23, *r.shape[1:]), 7.0) for r in expected]
+    out = [r[1:22] for r in room]
+    given = kernel.batch(*groups, out=out)
+    for result, place, whole, wanted in zip(given, out, room, expected, strict=True):
+        assert result is place
+        assert np.array_equal(result, wanted)
+        assert (whole[[0, 22]] == 7.0).all()
+
+
+def test_a_batch_into_given_arrays_allocates_nothing_for_its_states(random_program: Callable[..., Program]) -> None:
+    kernel, groups = compile_programs([random_program(3)]).kernels["f"], _states(3, 20_000)
+    out = kernel.batch(*groups)
+    tracemalloc.start()
+    kernel.batch(*groups, out=out)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 20_000
+
+
+def test_wrong_places_for_results_are_named(random_program: Callable[..., Program]) -> None:
+    kernel, groups = compile_programs([random_program(3)]).kernels["f"], _states(3, 5)
+    good = list(kernel.batch(*groups))
+    frozen = good[2].copy()
+    frozen.flags.writeable = False
+    for wrong, says in (
+        (good[:2], "out has 2 arrays, not 3"),
+        ([good[0], good[1], good[2].astype(np.float32)], r"out for 'v' must be a float64 array \(5, 2\)"),
+        ([good[0][:4], *good[1:]], r"out for 'A' must be a float64 array \(5, 3, 4\)"),
+        ([good[0], good[1], np.zeros((10, 2))[::2]], "out for 'v' must be contiguous"),
+        ([good[0], good[1], frozen], "contiguous and writeable"),
+        ([good[0], good[1], groups[2]], "out for 'v' shares memory"),
+    ):
+        with pytest.raises(InputError, match=says):
+            kernel.batch(*groups, out=wrong)
+    for threads in (0, -1, 1.5, True, "2"):
+        with pytest.raises(InputError, match="threads must be a whole number from 1"):
+            kernel.batch(*groups, threads=threads)
+
+
+def test_a_mistake_in_a_thread_is_raised_when_all_have_stopped() -> None:
+    done: list[int] = []
+
+    def work(begin: int, end: int) -> None:
+        if begin == 5:
+            raise ValueError("five")
+        done.append(begin)
+
+    with pytest.raises(ValueError, match="five"):
+        shared_out(work, 1000, 4, 1)
+    count = len(done)
+    shared_out(done.append, 0, 4, 1)
+    assert len(done) == count
+
+
+def test_parts_of_a_program_are_batches_too(random_program: Callable[..., Program]) -> None:
+    kernel, groups = compile_programs([random_program(3)]).kernels["f"], _states(3, 21)
+    A, _, v = kernel.batch(*groups)
+    blocks = kernel.blocks(np.float64, ("v", "A"))
+    assert kernel.blocks(np.float64, ("v", "A")) is blocks
+    for result, wanted in zip(blocks(*groups), (v, A), strict=True):
+        np.testing.assert_allclose(result, wanted, rtol=1e-13, atol=1e-13)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from nullbody.bench import Benchmark, Settings, bench_null_space
 from nullbody.report import Section
-from nullbody.report.benchmark import benchmark_page
+from nullbody.report.bench_page import bench_page
 
 
 def small() -> Benchmark:
@@ -27,7 +27,7 @@ def test_section_has_the_papers_figures_beside_ours(by_key: dict[str, Section]) 
 
 def test_page_of_the_benchmark_stands_alone() -> None:
     found = replace(small(), missing={"casadi": "not installed"})
-    text = html.unescape(benchmark_page(found))
+    text = html.unescape(bench_page(None, found))
     assert not re.findall(r'\b(?:src|href|data)\s*=\s*"(?!#|data:)[^"]*"', text)
     assert "The null space, measured" in text and "reproduced and checked" not in text
     for words in ("Wehage-Haug", "chains, absolute coordinates: operations for N", "casadi: not installed"):

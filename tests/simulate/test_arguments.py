@@ -80,7 +80,7 @@ def test_wrong_result_of_a_controller(result: Any, message: str) -> None:
 
 def test_controller_may_answer_by_name() -> None:
     by_name = run(u=lambda t, x: {"F3": 3.0, "F1": 1.0, "F2": 2.0})
-    np.testing.assert_array_equal(by_name.q, run(u=(1, 2, 3)).q)
+    np.testing.assert_array_equal(by_name.q, run(u=lambda t, x: (1, 2, 3)).q)
     np.testing.assert_array_equal(by_name.u[0], [1, 2, 3])
 
 
@@ -92,7 +92,7 @@ def test_start_must_be_a_state_of_the_model() -> None:
 
 
 def test_start_of_a_model_with_other_parameters() -> None:
-    with pytest.raises(StateError, match=r"off the constraint manifold by 0\.1 m.*other parameters.*assemble"):
+    with pytest.raises(StateError, match=r"is open by 0\.1 m .*of these parameters.*assemble"):
         simulate(robot().replace(l=0.6), upright(robot()), 1.0)
     assert simulate(robot().replace(m=0.6), upright(robot()), 0.05).outcome.ok
 

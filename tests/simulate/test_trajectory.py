@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from nullbody import InputError, State, Trajectory, UnknownName, assemble, build, derive, simulate
-from tests.mechanisms import four_bar
+from tests.mechanisms import four_bar, slider_crank
 from tests.robot import HOME, robot
 
 
@@ -46,6 +46,29 @@ def test_sample_at_any_times() -> None:
     np.testing.assert_allclose(v[[0, 2]], found.v[[0, -1]], atol=1e-13)
     assert found.sample(0.05).q.shape == (1, 12)
     assert found.sample([]).q.shape == (0, 12)
+
+
+def test_samples_come_in_the_order_of_their_times() -> None:
+    found = moved()
+    t = np.linspace(0.0, 0.1, 57)
+    forward, backward = found.sample(t), found.sample(t[::-1])
+    np.testing.assert_array_equal(forward.q, backward.q[::-1])
+    np.testing.assert_array_equal(forward.v, backward.v[::-1])
+    for time, q, v in zip(t[::8], forward.q[::8], forward.v[::8], strict=True):
+        state = found.state(float(time))
+        np.testing.assert_allclose(state.q, q, atol=1e-14)
+        np.testing.assert_allclose(state.v, v, atol=1e-14)
+
+
+def test_charts_that_were_used() -> None:
+    assert moved().charts == ((0.0, robot().independent),)
+    model = build(derive(slider_crank(), ("s",)))
+    turning = simulate(model, assemble(model, {"s": 0.35}, v=[1.0]), 1.0)
+    assert len(turning.charts) == turning.statistics.switches + 1 > 1
+    assert turning.charts[0] == (0.0, ("s",))
+    assert turning.charts[1][1] != ("s",)
+    assert 0 < turning.charts[1][0] < 1
+    assert simulate(model, assemble(model, {"s": 0.35}), 1e-3, throw=False, max_steps=1).charts[0][0] == 0.0
 
 
 @pytest.mark.parametrize("times", [[-0.01], [0.11], [np.nan], [[0.0, 0.1]], "start", None])

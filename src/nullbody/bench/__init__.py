@@ -1,4 +1,4 @@
-"""Layer 8: the null space measured against the methods of the literature and against other tools."""
+"""Layer 9: the null space measured against the methods of the literature and against other tools."""
 
 from nullbody.bench.benchmark import bench_null_space
 from nullbody.bench.result import Benchmark

@@ -15,7 +15,16 @@ from nullbody.kernels import Kernel
 from nullbody.kernels.number import BLOCK
 from nullbody.typing import FloatArray
 
-__all__ = ["Timing", "block_seconds", "native_seconds", "seconds_per_call"]
+__all__ = [
+    "Timing",
+    "Work",
+    "block_seconds",
+    "block_work",
+    "native_function",
+    "native_seconds",
+    "native_work",
+    "seconds_per_call",
+]
 
 _CACHE = 24_000  # bytes of input and output of a block loop: they stay in the first cache
 _LOOPS = """
@@ -63,16 +72,19 @@ class Timing:
     Attributes:
         median: over the measurements [s].
         spread: the width of their middle half, as a part of the median.
+        best: the least of them [s], for other work on the machine only ever adds; nothing where there was but one.
     """
 
     median: float
     spread: float
+    best: float | None = None
 
     @classmethod
     def of(cls, seconds: Sequence[float]) -> Timing:
         """The timing that some measurements give."""
         low, middle, high = np.percentile(seconds, (25, 50, 75))
-        return cls(float(middle), float((high - low) / middle) if middle else 0.0)
+        best = float(min(seconds)) if len(seconds) > 1 else None
+        return cls(float(middle), float((high - low) / middle) if middle else 0.0, best)
 
 
 def seconds_per_call(run: Callable[[], object], calls: int = 1, repeats: int = 9, limit: float = 1.0) -> Timing:
@@ -91,14 +103,26 @@ def seconds_per_call(run: Callable[[], object], calls: int = 1, repeats: int = 9
     return Timing.of(found[1:] or found)
 
 
-def native_seconds(kernel: Kernel, inputs: FloatArray, repeats: int = 9, seconds: float = 0.02) -> Timing:
-    """Time of one call of a kernel's native function.
+class Work(NamedTuple):
+    """Something that can be done again and again.
+
+    Attributes:
+        run: does it a number of times.
+        calls: how many calls, or states, are in it once.
+        threads: whether other threads than the calling one work.
+    """
+
+    run: Callable[[int], object]
+    calls: int = 1
+    threads: bool = False
+
+
+def native_work(kernel: Kernel, inputs: FloatArray) -> Work:
+    """Calls of a kernel's native function by a native loop.
 
     Args:
         kernel: its inputs are one row of `inputs`, all groups one after the other.
         inputs: states x inputs; the loop goes over all of them, again and again.
-        repeats: measurements.
-        seconds: length of each.
     """
     rows = np.ascontiguousarray(inputs, dtype=np.float64)
     target = np.zeros(max(1, len(kernel.program.tape.outputs)))
@@ -107,11 +131,11 @@ def native_seconds(kernel: Kernel, inputs: FloatArray, repeats: int = 9, seconds
     def run(rounds: int) -> None:
         repeat(kernel.address, rows.ctypes.data, target.ctypes.data, rows.shape[1], len(rows), rounds)
 
-    return _timed(run, len(rows), repeats, seconds)
+    return Work(run, len(rows))
 
 
-def block_seconds(kernel: Kernel, inputs: FloatArray, repeats: int = 9, seconds: float = 0.02) -> Timing:
-    """Time for one state of a kernel's native function over blocks of 8 states; arguments as `native_seconds`.
+def block_work(kernel: Kernel, inputs: FloatArray) -> Work:
+    """Calls of a kernel's native function over blocks of 8 states; arguments as `native_work`.
 
     The blocks are packed beforehand and few enough to stay in the cache; fewer than 8 states are repeated.
     """
@@ -126,19 +150,51 @@ def block_seconds(kernel: Kernel, inputs: FloatArray, repeats: int = 9, seconds:
     def run(rounds: int) -> None:
         repeat(blocks.address, source.ctypes.data, target.ctypes.data, count, rounds)
 
-    return _timed(run, count * BLOCK, repeats, seconds)
+    return Work(run, count * BLOCK)
 
 
-def _timed(run: Callable[[int], None], states: int, repeats: int, seconds: float) -> Timing:
+def native_function(address: int, first: int, second: int, owner: object) -> Callable[[int], None]:
+    """A native function of two pointers, called a number of times by a native loop.
+
+    Args:
+        address: of the function.
+        first, second: its arguments.
+        owner: what must stay in memory as long as it is called.
+    """
+    repeat = _compiled_loops().states
+
+    def run(rounds: int, owner: object = owner) -> None:
+        repeat(address, first, second, 0, 1, rounds)
+
+    return run
+
+
+def native_seconds(kernel: Kernel, inputs: FloatArray, repeats: int = 9, seconds: float = 0.02) -> Timing:
+    """Time of one call of a kernel's native function.
+
+    Args:
+        kernel, inputs: as `native_work`.
+        repeats: measurements.
+        seconds: length of each.
+    """
+    return _timed(native_work(kernel, inputs), repeats, seconds)
+
+
+def block_seconds(kernel: Kernel, inputs: FloatArray, repeats: int = 9, seconds: float = 0.02) -> Timing:
+    """Time for one state of a kernel's native function over blocks; arguments as `native_seconds`."""
+    return _timed(block_work(kernel, inputs), repeats, seconds)
+
+
+def _timed(work: Work, repeats: int, seconds: float) -> Timing:
     """Measurements of a length, after one that finds out how many rounds that takes."""
 
     def measured(rounds: int) -> float:
         begin = time.perf_counter()
-        run(rounds)
-        return (time.perf_counter() - begin) / (rounds * states)
+        work.run(rounds)
+        return (time.perf_counter() - begin) / (rounds * work.calls)
 
     measured(2)
-    rounds = max(1, int(seconds / max(measured(3), 1e-10) / states))
+    rounds = max(1, int(seconds / max(measured(3), 1e-10) / work.calls))
     return Timing.of([measured(rounds) for _ in range(repeats)])
 
 

@@ -1,4 +1,4 @@
-"""Layer 10: the command `nullbody`."""
+"""Layer 11: the command `nullbody`."""
 
 from nullbody.cli.app import main
 

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Annotated, cast
 
 import typer
 
 from nullbody import __version__
 from nullbody.cli.bench import bench
+from nullbody.cli.cache import cache
 from nullbody.cli.derive import derive
+from nullbody.cli.export import c
+from nullbody.cli.export_fmu import fmu
 from nullbody.cli.inverse import inverse
 from nullbody.cli.models import models
 from nullbody.cli.output import complain
@@ -19,9 +22,13 @@ from nullbody.cli.simulate import simulate
 from nullbody.cli.verify import verify
 from nullbody.errors import NullbodyError, SimulationError
 
-__all__ = ["COMMANDS", "app", "main"]
+__all__ = ["COMMANDS", "EXPORTS", "app", "main"]
 
-COMMANDS = (reproduce, derive, simulate, inverse, verify, bench, models)
+COMMANDS = (reproduce, derive, simulate, inverse, verify, bench, models, cache)
+
+#: What follows `nullbody export`.
+EXPORTS: dict[str, Callable[..., None]] = {"c": c, "fmu": fmu}
+
 _SETTINGS = {"max_content_width": 100, "help_option_names": ["-h", "--help"]}
 _UsageError = cast(type[Exception], typer.BadParameter.__mro__[1])  # typer has moved it from module to module
 
@@ -41,6 +48,16 @@ def _examples(command: object) -> str:
 
 for _command in COMMANDS:
     app.command(epilog=_examples(_command), context_settings=_SETTINGS)(_command)
+
+export = typer.Typer(
+    rich_markup_mode=None,
+    context_settings=_SETTINGS,
+    help="Write a model as code for other programs; each kind takes --json.",
+    epilog="\b\nExamples:\n" + "\n".join(f"  {sys.modules[e.__module__].EXAMPLES[0]}" for e in EXPORTS.values()),
+)
+for _kind, _export in EXPORTS.items():
+    export.command(_kind, epilog=_examples(_export), context_settings=_SETTINGS)(_export)
+app.add_typer(export, name="export")
 
 
 def _show_version(wanted: bool) -> None:

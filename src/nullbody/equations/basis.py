@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from nullbody.equations.choice import dependent
 from nullbody.equations.closure import Closures
@@ -66,7 +67,7 @@ class Terms:
             form = echelon(A, [j for j in range(len(names)) if j not in columns] + columns)
             would_do = [name for j, name in enumerate(names) if j not in form.columns]
             raise dependent(basis, would_do) from None
-        return Dynamics(self.loads, self.kept, space, self.symbols, witness)
+        return Dynamics(self.loads, self.kept, space, self.symbols, sizes, witness)
 
 
 def written_in(
@@ -115,7 +116,8 @@ def _cost(routines: dict[str, Routine]) -> int:
 
 def _expressions(routines: dict[str, Routine]) -> list[Expr]:
     """Those of forward_dynamics; plain zeros and ones are none."""
-    return [f for f in routines["forward_dynamics"].expressions if isinstance(f, Expr)]
+    entries: list[Any] = list(routines["forward_dynamics"].expressions)
+    return [f for f in entries if isinstance(f, Expr)]
 
 
 def checked_basis(mechanism: Mechanism, basis: Sequence[str], nv: int) -> tuple[str, ...]:

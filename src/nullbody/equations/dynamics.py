@@ -31,6 +31,7 @@ from nullbody.equations.reduction import (
     reduce,
     required_inputs,
 )
+from nullbody.equations.sizes import Sizes
 from nullbody.equations.symbols import Symbols
 from nullbody.expr import Expr, LinearForm, directional, substitute
 from nullbody.expr.matrix import add, dot, matmul, matvec, scale, total
@@ -40,6 +41,9 @@ from nullbody.nullspace.plan import Plan
 from nullbody.nullspace.steps import sparse_rows
 
 __all__ = ["Dynamics"]
+
+#: The largest P that is solved by minors; larger ones by pivots, which may vanish where P is regular. `doubt` sees that.
+_SMALL = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +55,7 @@ class Dynamics:
         kept: the rows of A that the null space is of.
         space: the null space, its independent columns the basis.
         symbols: of q, v and so on.
+        sizes: absolute values of expressions at points that matter: where P's pivots must not be small.
         witness: |B_v| at the random point where the graph compares values; tells the sign of |B| |P|.
     """
 
@@ -58,6 +63,7 @@ class Dynamics:
     kept: Closures
     space: SymbolicNullSpace
     symbols: Symbols
+    sizes: Sizes | None = None
     witness: int | None = None
 
     @cached_property
@@ -98,7 +104,8 @@ class Dynamics:
         places = self.symbols.places(self.symbols.independent)
         if places == list(self.space.independent):
             return None
-        return eliminate(sparse_rows([self.space.reduced[k] for k in places]), plan=Plan(simplify=False, offsets=True))
+        plan = Plan(largest=_SMALL, simplify=False, offsets=True, sizes=self.sizes)
+        return eliminate(sparse_rows([self.space.reduced[k] for k in places]), plan=plan)
 
     def in_basis(self, v: Sequence[Any], offset: Sequence[Any]) -> list[Any]:
         """w of v = P w + offset_v."""
@@ -146,13 +153,16 @@ class Dynamics:
         if self.transfer is None:
             return {"delta": delta, "spread": spread, "doubt": doubt}
         P, n = self.transfer, len(self.symbols.v)
-        adjugate = [P.solve_scaled([int(i == k) for i in range(n)]) for k in range(n)]
-        size = total(e * e for column in adjugate for e in column)
-        inverse = 1 / (self.symbols.zero + P.delta)
+        units = [[int(i == k) for i in range(n)] for k in range(n)]
+        if P.eliminated:
+            size = total(e * e for unit in units for e in P.solve(unit))
+        else:
+            inverse = 1 / (self.symbols.zero + P.delta)
+            size = total(e * e for unit in units for e in P.solve_scaled(unit)) * (inverse * inverse)
         delta = self.symbols.zero + delta * P.delta
         return {
             "delta": delta if delta.graph.value(delta.ref) == self.witness else -delta,
-            "spread": (len(self.symbols.v) + spread) * size * (inverse * inverse),
+            "spread": (n + spread) * size,
             "doubt": total((doubt, P.doubt)),
         }
 

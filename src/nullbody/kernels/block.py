@@ -1,7 +1,8 @@
 """A kernel over many states at once: native code on blocks of 8 states, and arrays in and out of such blocks.
 
 In block b, input k of lane j is source[b, k, j], output k is target[b, k, j] (an array of structures of arrays:
-a plain structure of arrays runs 2-3 times slower where its strides are powers of two).
+a plain structure of arrays runs 2-3 times slower where its strides are powers of two). Arrays with a row for each state
+are turned into blocks and back by native code, one block at a time (`rows`).
 """
 
 from __future__ import annotations
@@ -9,7 +10,6 @@ from __future__ import annotations
 import ctypes
 import threading
 from collections.abc import Sequence
-from itertools import accumulate, pairwise
 from math import prod
 from typing import Any, NamedTuple
 
@@ -17,13 +17,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nullbody.errors import InputError
-from nullbody.kernels.number import BLOCK
+from nullbody.kernels.number import BLOCK, Number
 from nullbody.kernels.program import Program
+from nullbody.kernels.rows import ROOM
+from nullbody.kernels.threads import shared_out, thread_count
 
-__all__ = ["BlockKernel", "Code", "label", "real_numbers"]
+__all__ = ["BlockKernel", "Code", "aligned", "label", "real_numbers"]
 
-_SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)  # gives the GIL away
-_CHUNK = 2**18  # bytes of input and output that are worked on at a time: they stay in the second cache
+_BLOCKS = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)  # gives the GIL away
+_ROWS = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4, *[ctypes.c_int64] * 2)
+_FLOAT = np.dtype(np.float64)
+_GRAIN = 256  # blocks that a thread takes at a time: some tenths of a millisecond
 _LINE = 64
 
 
@@ -51,14 +55,20 @@ def real_numbers(program: Program, index: int, group: ArrayLike) -> NDArray[Any]
     return array
 
 
+def aligned(shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
+    """Zeros that begin at a line of the cache."""
+    size = prod(shape) * dtype.itemsize
+    memory = np.zeros(size + _LINE, np.uint8)
+    start = -memory.ctypes.data % _LINE
+    return memory[start : start + size].view(dtype).reshape(shape)
+
+
 class _Memory(threading.local):
-    """Blocks for one chunk of states; every thread sees its own (the constructor runs once in each)."""
+    """One block of inputs and one of outputs; every thread sees its own (the constructor runs once in each)."""
 
     def __init__(self, inputs: int, outputs: int, dtype: np.dtype[Any]) -> None:
-        self.blocks = max(1, _CHUNK // max(1, BLOCK * (inputs + outputs) * dtype.itemsize))
-        self.source = _aligned((self.blocks, inputs, BLOCK), dtype)
-        self.target = _aligned((self.blocks, outputs, BLOCK), dtype)
-        self.places = self.source.ctypes.data, self.target.ctypes.data
+        self.arrays = [aligned((size + ROOM, BLOCK), dtype) for size in (inputs, outputs)]
+        self.places = tuple(array.ctypes.data for array in self.arrays)
 
 
 class BlockKernel:
@@ -70,50 +80,51 @@ class BlockKernel:
         dtype: float64 or float32, of all inputs, operations (sines and cosines are rounded from double) and outputs.
     """
 
-    def __init__(self, program: Program, code: Code, dtype: np.dtype[Any]) -> None:
+    def __init__(self, program: Program, code: Code, dtype: np.dtype[Any] = _FLOAT) -> None:
+        from nullbody.kernels.compile import compile_text
+        from nullbody.kernels.rows import rows_ir, rows_name
+
         self.program = program
         self.address = code.address
         self.dtype = dtype
-        self._owner = code.owner
-        self._function = _SIGNATURE(code.address)
-        self._inputs = _spans([size for _, size in program.inputs])
-        self._outputs = _spans([prod(shape) for _, shape in program.outputs])
+        number = Number(BLOCK, 8 * dtype.itemsize)
+        rows = compile_text(rows_name(number), rows_ir(number))
+        self._owners = code.owner, rows.owner
+        self._function, self._rows = _BLOCKS(code.address), _ROWS(rows.address)
         self._memory = _Memory(len(program.tape.inputs), len(program.tape.outputs), dtype)
 
-    def __call__(self, *groups: ArrayLike) -> tuple[NDArray[Any], ...]:
+    def __call__(
+        self, *groups: ArrayLike, out: Sequence[NDArray[Any]] | None = None, threads: int | None = None
+    ) -> tuple[NDArray[Any], ...]:
         """Evaluate the program for many states.
 
         Args:
             groups: for every input group an array (states, size), or (size,) where all states share it; at least
-                one of the former.
+                one of the former. Arrays of this type whose rows are contiguous are read where they are.
+            out: for every output group a contiguous array (states, *shape) of this type to write to; new ones by
+                default.
+            threads: how many work at the same time; all cores that the process may use by default.
 
         Returns:
-            For every output group a new array (states, *shape).
+            For every output group an array (states, *shape): `out` where it is given.
 
         Raises:
-            InputError: a group is missing, has another shape, holds no real numbers, or the numbers of states differ.
+            InputError: a group is missing, has another shape, holds no real numbers, or the numbers of states differ;
+                an array of `out` has another shape or type, is not contiguous or shares memory with an input.
         """
         arrays = self._arrays(groups)
         states = self._states(arrays)
-        results = [np.empty((states, stop - start), self.dtype) for start, stop in self._outputs]
-        memory = self._memory
-        source, target, places, step = memory.source, memory.target, memory.places, BLOCK * memory.blocks
-        used = _blocks(min(states, step))
-        varying = []
-        for array, (start, stop) in zip(arrays, self._inputs, strict=True):
-            if array.ndim == 1:
-                source[:used, start:stop] = array[:, None]
-            else:
-                varying.append((array, source[:, start:stop]))
-        for begin in range(0, states, step):
-            end = min(begin + step, states)
-            for array, place in varying:
-                _pack(array[begin:end], place)
-            self._function(*places, _blocks(end - begin))
-            for result, (start, stop) in zip(results, self._outputs, strict=True):
-                _unpack(target[:, start:stop], result[begin:end])
-        shapes = (shape for _, shape in self.program.outputs)
-        return tuple([result.reshape(states, *shape) for result, shape in zip(results, shapes, strict=True)])
+        workers = thread_count(threads)
+        shapes = [(states, *shape) for _, shape in self.program.outputs]
+        results = [np.empty(shape, self.dtype) for shape in shapes] if out is None else self._given(out, shapes, arrays)
+        job = _job(states, arrays, results)
+        code, place = self.address, job.ctypes.data
+
+        def work(begin: int, end: int) -> None:
+            self._rows(code, place, *self._memory.places, begin, end)
+
+        shared_out(work, -(-states // BLOCK), workers, _GRAIN)
+        return tuple(results)
 
     def run(self, source: NDArray[Any], target: NDArray[Any]) -> None:
         """Evaluate the program on blocks, without copies.
@@ -139,7 +150,7 @@ class BlockKernel:
         self._function(source.ctypes.data, target.ctypes.data, blocks)
 
     def _arrays(self, groups: Sequence[ArrayLike]) -> list[NDArray[Any]]:
-        """The groups as arrays of this type, (size,) or (states, size)."""
+        """The groups as arrays of this type, (size,) or (states, size), each row contiguous."""
         program, arrays = self.program, []
         if len(groups) != len(program.inputs):
             raise InputError(f"kernel {label(program)} takes {len(program.inputs)} input groups, not {len(groups)}")
@@ -150,7 +161,9 @@ class BlockKernel:
                     f"kernel {label(program)}: input {name!r} has shape {array.shape}, "
                     f"not (states, {size}) or ({size},)"
                 )
-            arrays.append(array.astype(self.dtype, copy=False))
+            array = array.astype(self.dtype, copy=False)
+            direct = array.flags.aligned and (size < 2 or array.strides[-1] == array.itemsize)
+            arrays.append(array if direct else np.ascontiguousarray(array))
         return arrays
 
     def _states(self, arrays: Sequence[NDArray[Any]]) -> int:
@@ -167,35 +180,30 @@ class BlockKernel:
             raise InputError(f"kernel {label(self.program)}: the inputs have different numbers of states: {listed}")
         return next(iter(counts.values()))
 
-
-def _spans(sizes: Sequence[int]) -> list[tuple[int, int]]:
-    return list(pairwise(accumulate(sizes, initial=0)))
-
-
-def _blocks(states: int) -> int:
-    return -(-states // BLOCK)
-
-
-def _aligned(shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
-    """Zeros that begin at a line of the cache."""
-    size = prod(shape) * dtype.itemsize
-    memory = np.zeros(size + _LINE, np.uint8)
-    start = -memory.ctypes.data % _LINE
-    return memory[start : start + size].view(dtype).reshape(shape)
-
-
-def _pack(rows: NDArray[Any], blocks: NDArray[Any]) -> None:
-    """Rows (states, size) into blocks (_, size, 8); the last row fills what is left of the last block."""
-    full, rest = divmod(len(rows), BLOCK)
-    blocks[:full] = rows[: full * BLOCK].reshape(full, BLOCK, rows.shape[1]).transpose(0, 2, 1)
-    if rest:
-        blocks[full, :, :rest] = rows[full * BLOCK :].T
-        blocks[full, :, rest:] = rows[-1][:, None]
+    def _given(
+        self, out: Sequence[NDArray[Any]], shapes: Sequence[tuple[int, ...]], arrays: Sequence[NDArray[Any]]
+    ) -> list[NDArray[Any]]:
+        """The arrays to write to, checked."""
+        results = list(out)
+        if len(results) != len(shapes):
+            raise InputError(f"kernel {label(self.program)}: out has {len(results)} arrays, not {len(shapes)}")
+        for k, ((name, _), shape, result) in enumerate(zip(self.program.outputs, shapes, results, strict=True)):
+            if type(result) is not np.ndarray or result.shape != shape or result.dtype != self.dtype:
+                raise InputError(f"kernel {label(self.program)}: out for {name!r} must be a {self.dtype} array {shape}")
+            if not (result.flags.c_contiguous and result.flags.aligned and result.flags.writeable):
+                raise InputError(f"kernel {label(self.program)}: out for {name!r} must be contiguous and writeable")
+            if any(np.may_share_memory(result, other) for other in (*arrays, *results[:k])):
+                raise InputError(f"kernel {label(self.program)}: out for {name!r} shares memory with another array")
+        return results
 
 
-def _unpack(blocks: NDArray[Any], rows: NDArray[Any]) -> None:
-    """The first states of the blocks into rows."""
-    full, rest = divmod(len(rows), BLOCK)
-    rows[: full * BLOCK].reshape(full, BLOCK, rows.shape[1])[...] = blocks[:full].transpose(0, 2, 1)
-    if rest:
-        rows[full * BLOCK :] = blocks[full, :, :rest].T
+def _job(states: int, arrays: Sequence[NDArray[Any]], results: Sequence[NDArray[Any]]) -> NDArray[np.int64]:
+    """What `nb_rows` reads: the number of states and of groups, and address, stride and size of each group."""
+    numbers = [states, len(arrays), len(results)]
+    for array in arrays:
+        shared = array.ndim == 1
+        numbers += [array.ctypes.data, 0 if shared else array.strides[0], array.shape[-1]]
+    for result in results:
+        size = prod(result.shape[1:])
+        numbers += [result.ctypes.data, size * result.itemsize, size]
+    return np.array(numbers, dtype=np.int64)

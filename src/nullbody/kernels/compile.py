@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import marshal
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from hashlib import blake2b
@@ -18,7 +18,7 @@ from nullbody.kernels.llvm import function_name, module_ir
 from nullbody.kernels.number import BLOCK, DOUBLE, Number
 from nullbody.kernels.program import Program
 
-__all__ = ["Library", "compile_programs"]
+__all__ = ["Library", "compile_blocks", "compile_programs", "compile_text"]
 
 #: Part of every key of the cache; change it whenever the printed code or the calling convention changes.
 _FORMAT = 3
@@ -48,7 +48,7 @@ def compile_programs(programs: Sequence[Program], wide: bool = False) -> Library
 
     Raises:
         InputError: two programs have one name.
-        CacheError: the cache cannot be read, written or trusted; NULLBODY_CACHE=off does without.
+        CacheError: the cache cannot be trusted, or its settings make no sense; NULLBODY_CACHE=off does without.
     """
     names = [program.name for program in programs]
     if twice := sorted({name for name in names if names.count(name) > 1}):
@@ -59,6 +59,31 @@ def compile_programs(programs: Sequence[Program], wide: bool = False) -> Library
         p.name: Kernel(p, _code(engine, p, DOUBLE), partial(_wide, p, engine if wide else None)) for p in programs
     }
     return Library(MappingProxyType(kernels), origin)
+
+
+def compile_blocks(program: Program, bits: int = 64) -> Code:
+    """The function of a program over blocks of 8 states alone, void(in, out, int64 blocks).
+
+    Raises:
+        CacheError: the cache cannot be read, written or trusted.
+    """
+    return _wide(program, None, bits)
+
+
+@cache
+def compile_text(name: str, text: str) -> Code:
+    """A native function that is written in LLVM IR, without target lines; compiled once a process.
+
+    Raises:
+        CacheError: the cache cannot be read, written or trusted.
+    """
+    digest = blake2b(repr((_FORMAT, _OPTIMISATION, _host(), *_versions(), text)).encode(), digest_size=20)
+    body = load(digest.hexdigest())
+    if body is None:
+        body = _emitted(lambda triple, layout: f'target datalayout = "{layout}"\ntarget triple = "{triple}"\n{text}')
+        store(digest.hexdigest(), body)
+    engine = _loaded(body)
+    return Code(engine.get_function_address(name), engine)
 
 
 def _wide(program: Program, engine: Any | None, bits: int) -> Code:
@@ -111,22 +136,32 @@ def _machine() -> Any:
 
 def _key(functions: Sequence[tuple[Program, Number]]) -> str:
     """Digest of all that determines the object file; made from the tapes, so that a warm start prints no IR."""
-    import llvmlite
-    import llvmlite.binding as llvm
-
     digest = blake2b(digest_size=20)
-    digest.update(repr((_FORMAT, _OPTIMISATION, _host(), llvm.llvm_version_info, llvmlite.__version__)).encode())
+    digest.update(repr((_FORMAT, _OPTIMISATION, _host(), *_versions())).encode())
     for program, number in functions:
         tape, kind = program.tape, (number.lanes, number.bits, len(program.tape.inputs))
         digest.update(marshal.dumps((kind, program.name, tape.constants, tape.code, tape.outputs), 2))
     return digest.hexdigest()
 
 
+def _versions() -> tuple[object, str]:
+    """Of LLVM and of its binding."""
+    import llvmlite
+    import llvmlite.binding as llvm
+
+    return llvm.llvm_version_info, llvmlite.__version__
+
+
 def _object_file(functions: Sequence[tuple[Program, Number]]) -> bytes:
+    return _emitted(partial(module_ir, functions))
+
+
+def _emitted(text: Callable[[str, str], str]) -> bytes:
+    """The object file of a module that is printed for a target triple and a data layout."""
     import llvmlite.binding as llvm
 
     machine = _machine()
-    module = llvm.parse_assembly(module_ir(functions, machine.triple, str(machine.target_data)))
+    module = llvm.parse_assembly(text(machine.triple, str(machine.target_data)))
     return bytes(machine.emit_object(module))
 
 

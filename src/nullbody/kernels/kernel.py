@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import prod
 from typing import Any
 
@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from nullbody.errors import InputError
 from nullbody.kernels.block import BlockKernel, Code, label, real_numbers
+from nullbody.kernels.bound import BoundKernel
+from nullbody.kernels.compose import part
 from nullbody.kernels.program import Program
 
 __all__ = ["Kernel"]
@@ -56,16 +58,17 @@ class Kernel:
 
     Attributes:
         address: where the native function is; its code lives as long as the kernel.
+        function: the native function, to be called with two addresses.
     """
 
     def __init__(self, program: Program, code: Code, wide: Callable[[int], Code]) -> None:
         self.program = program
         self.address = code.address
         self._owner = code.owner
-        self._function = _SIGNATURE(code.address)
+        self.function = _SIGNATURE(code.address)
         self._buffers = _Buffers(program)
         self._wide = wide
-        self._blocks: dict[np.dtype[Any], BlockKernel] = {}
+        self._blocks: dict[tuple[np.dtype[Any], tuple[str, ...] | None], BlockKernel] = {}
         self._compiling = threading.Lock()
 
     def __call__(self, *groups: ArrayLike) -> tuple[NDArray[np.float64], ...]:
@@ -87,41 +90,68 @@ class Kernel:
             if type(group) is not _ARRAY or group.dtype is not _FLOAT or group.shape != shape:
                 return self(*(self._vector(k, other) for k, other in enumerate(groups)))
             view[...] = group
-        self._function(source, target)
+        self.function(source, target)
         return tuple([result.copy() for result in results])
 
-    def batch(self, *groups: ArrayLike, dtype: DTypeLike = np.float64) -> tuple[NDArray[Any], ...]:
+    def bound(self) -> BoundKernel:
+        """The kernel with memory of its own: a call copies the inputs that it is given, and allocates no arrays."""
+        return BoundKernel(self)
+
+    def batch(
+        self,
+        *groups: ArrayLike,
+        dtype: DTypeLike = np.float64,
+        out: Sequence[NDArray[Any]] | None = None,
+        threads: int | None = None,
+    ) -> tuple[NDArray[Any], ...]:
         """Evaluate the program for many states, 8 at a time; the GIL is free meanwhile.
 
         Args:
             groups: for every input group an array (states, size), or (size,) where all states share it (parameters);
-                at least one of the former.
-            dtype: float64, with the results of single calls; or float32, which takes half the memory and time: every
+                at least one of the former. Arrays of this type with contiguous rows are read where they are.
+            dtype: float64, with the bits of single calls; or float32, which takes half the memory and time: every
                 operation is rounded to 6e-8, so that results lose what the program's cancellations lose.
+            out: for every output group a contiguous array (states, *shape) of this type to write to.
+            threads: how many work at the same time; all cores that the process may use by default.
 
         Returns:
-            For every output group a new array (states, *shape).
+            For every output group an array (states, *shape): new ones, or those of `out`.
 
         Raises:
-            InputError: a group is missing, has another shape, holds no real numbers, or the numbers of states differ.
+            InputError: a group is missing, has another shape, holds no real numbers, or the numbers of states differ;
+                an array of `out` does not fit.
             CacheError: code for batches is compiled at the first call, and the cache cannot be used.
         """
-        return self.blocks(dtype)(*groups)
+        return self.blocks(dtype)(*groups, out=out, threads=threads)
 
-    def blocks(self, dtype: DTypeLike = np.float64) -> BlockKernel:
+    def blocks(self, dtype: DTypeLike = np.float64, outputs: Sequence[str] | None = None) -> BlockKernel:
         """The function over blocks of 8 states, compiled at the first call unless the library holds it.
+
+        Args:
+            dtype: float64 or float32.
+            outputs: the groups that are wanted, in that order: what only others need is not evaluated; all by default.
 
         Raises:
             InputError: dtype is neither float64 nor float32.
+            UnknownName: an output group does not exist.
             CacheError: the cache cannot be read, written or trusted.
         """
         kind = np.dtype(dtype)
         if kind not in _BITS:
             raise InputError(f"kernel {label(self.program)}: batches are float64 or float32, not {kind}")
+        key = kind, None if outputs is None else tuple(outputs)
         with self._compiling:
-            if kind not in self._blocks:
-                self._blocks[kind] = BlockKernel(self.program, self._wide(_BITS[kind]), kind)
-            return self._blocks[kind]
+            if key not in self._blocks:
+                self._blocks[key] = self._compiled(*key)
+            return self._blocks[key]
+
+    def _compiled(self, kind: np.dtype[Any], outputs: tuple[str, ...] | None) -> BlockKernel:
+        if outputs is None:
+            return BlockKernel(self.program, self._wide(_BITS[kind]), kind)
+        from nullbody.kernels.compile import compile_blocks
+
+        program = part(self.program, outputs)
+        return BlockKernel(program, compile_blocks(program, _BITS[kind]), kind)
 
     def __repr__(self) -> str:
         outputs = ", ".join(f"{name}{list(shape)}" for name, shape in self.program.outputs)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nullbody.model import Model
-from nullbody.model.scale import coordinate_scales, row_scales
+from nullbody.model.scale import without_units
 from nullbody.typing import FloatArray
 
 __all__ = ["Configuration", "regular_chart", "regularity"]
@@ -43,7 +43,7 @@ class Configuration:
     def of(cls, model: Model, q: FloatArray, t: float = 0.0) -> Configuration:
         """All rows of A, those included that repeat others on the manifold, in radians and typical lengths."""
         labels, A = model.all_rows(q, t)
-        A = _without_units(model, A)
+        A = without_units(model, A)
         if not len(A):
             return cls(labels, A, np.zeros(0), np.eye(len(q)))
         _, sizes, right = np.linalg.svd(A)
@@ -79,15 +79,10 @@ class Configuration:
 
 def regularity(model: Model, q: FloatArray, t: float = 0.0) -> float:
     """`Configuration.regularity` alone, at less cost."""
-    A = _without_units(model, model.all_rows(q, t)[1])
+    A = without_units(model, model.all_rows(q, t)[1])
     rank = len(model.labels)
     sizes = np.linalg.svd(A, compute_uv=False)
     return float(sizes[rank - 1] / sizes[0]) if rank else 1.0
-
-
-def _without_units(model: Model, A: FloatArray) -> FloatArray:
-    scaled: FloatArray = A * coordinate_scales(model, A) / row_scales(model, A)[:, None]
-    return scaled
 
 
 def regular_chart(model: Model, q: FloatArray, t: float = 0.0, *, good: float = _GOOD) -> Model:
@@ -101,9 +96,11 @@ def regular_chart(model: Model, q: FloatArray, t: float = 0.0, *, good: float = 
     rows, names = model.labels, list(model.independent)
     if here.row_quality(rows) < good * here.regularity:
         rows = tuple(here.best_rows())
-    quality, columns = here.quality(model.independent_columns), here.best_columns()
-    if quality < good and here.quality(columns) > _WORTH * quality:
-        names = [model.coordinates[k] for k in columns]
+    quality = here.quality(model.independent_columns)
+    if quality < good:
+        columns = here.best_columns()
+        if here.quality(columns) > _WORTH * quality:
+            names = [model.coordinates[k] for k in columns]
     if rows == model.labels and tuple(names) == model.independent:
         return model
     return model.in_chart(names, rows)

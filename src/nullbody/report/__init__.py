@@ -1,4 +1,4 @@
-"""Layer 9: the paper's evidence computed anew, as a page and a JSON file of numbers; pictures of any mechanism."""
+"""Layer 10: the paper's evidence computed anew, as a page and a JSON file of numbers; pictures of any mechanism."""
 
 from nullbody.report.album import draw_catalog
 from nullbody.report.draw import draw

@@ -1,4 +1,4 @@
-"""The benchmark of the null space as a page, in the style of the report."""
+"""The benchmark of the null space as sections of a page, in the style of the report."""
 
 from __future__ import annotations
 
@@ -9,18 +9,10 @@ from nullbody.bench.result import Accuracy, Row
 from nullbody.bench.table import Table as Columns
 from nullbody.bench.table import tables
 from nullbody.report.figure import BLUE, GREY, ORANGE, drawing, svg
-from nullbody.report.page import Cover, page
 from nullbody.report.section import Check, Figure, Part, Section, Table, Text
 
-__all__ = ["accuracy_chart", "benchmark_page", "table_part"]
+__all__ = ["accuracy_chart", "null_space_sections", "table_part"]
 
-_COVER = Cover(
-    "nullbody bench: the null space",
-    "The null space, measured against the literature and other tools",
-    "A N = 0 for the constraint Jacobian A of closed loops: this package beside the methods of the literature, "
-    "written as short as can be, and beside other tools, on the same matrices in the same run. Ratios refer to this "
-    "package; methods that were stopped at their time limit are marked with >.",
-)
 _TITLES = {
     "paper": "The paper's tables: elimination against determinants",
     "symbolic": "Symbols: the 3-PRS",
@@ -37,13 +29,11 @@ _WORDS = {
 }
 
 
-def benchmark_page(found: Benchmark) -> str:
-    """One self-contained page."""
+def null_space_sections(found: Benchmark) -> list[Section]:
+    """One section for each part that was run."""
     made = tables(found)
     parts = [part for part in _TITLES if any(table.part == part for table in made)]
-    sections = [_section(part, [table for table in made if table.part == part], found) for part in parts]
-    missing = {name: f"{name}: {why}" for name, why in found.missing.items()}
-    return page(sections, {**found.facts, **missing}, _COVER)
+    return [_section(part, [table for table in made if table.part == part], found) for part in parts]
 
 
 def table_part(table: Columns) -> Table:

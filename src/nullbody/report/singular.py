@@ -61,11 +61,7 @@ class _Row:
 
 def charts(trajectory: Trajectory) -> list[Chart]:
     """The independent coordinates that a simulation used, one after the other."""
-    used: list[Chart] = []
-    for piece in trajectory._pieces:
-        if not used or used[-1].independent != piece.motion.chart.independent:
-            used.append(Chart(piece.t0, piece.motion.chart.independent))
-    return used
+    return [Chart(*used) for used in trajectory.charts]
 
 
 def singular(case: Case) -> Section:

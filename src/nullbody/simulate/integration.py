@@ -9,40 +9,23 @@ from typing import Any
 import numpy as np
 
 from nullbody.errors import SingularityError
-from nullbody.kinematics import regular_chart, regularity
-from nullbody.kinematics.newton import closed_to
+from nullbody.kinematics import regular_chart
 from nullbody.model import Model, State
-from nullbody.model.scale import coordinate_scales
 from nullbody.simulate.crossing import crossed_at, landed, leap_over, leap_piece
 from nullbody.simulate.event import Crossing, Event, Happened, accumulating, changed, first_crossing
 from nullbody.simulate.motion import Input, Motion
 from nullbody.simulate.outcome import Outcome
 from nullbody.simulate.piece import Piece, Run
-from nullbody.tolerances import CLOSED_STEP, LARGE_SPREAD, SIMULATED_SPREAD, SWITCH_DOUBT, SWITCH_SPREAD
+from nullbody.simulate.stepper import Stepper
+from nullbody.simulate.stiff import stiff
+from nullbody.simulate.watch import Watch, longest_of
 from nullbody.typing import FloatArray
 
 __all__ = ["Integration", "Settings"]
 
 _ENDED = object()  # instead of an integrator: the simulation is over
-_CLOSER = 5.0  # by which doubt has grown from its least value where another look at A is due
-_BESIDE = 0.5  # regularity of A against that at the start, below which a configuration singularity may be near
-_NEAR = 1e-3  # likewise, below which a simulation that cannot go on has met one
-_SHORTER = 0.5  # of the longest recent step, below which a step is looked at
-_SUDDEN = 1e-3  # of the longest step, below which it is looked at whether a configuration singularity has been met
-_CREEP = 1e-6  # likewise, below which it will not be passed in any reasonable number of steps
-_UNKNOWN = 1e-7  # regularity of A that loops closed to rounding cannot tell from 0: gaps are quadratic there
-_LOW = 1e-3  # regularity of A that measures nothing
-_MANY = 50  # short steps in a row that end it as well
-_WITHIN = 1e9  # doubt from which a configuration singularity may have been met
-_DECIDED = 1e-6  # regularity of A against that at the start, below which rounding decides how the motion goes on
 _SHORT = 0.2  # of the longest recent step: rounding beside a singularity makes steps shorter than that
-_RECENT = 6  # steps
-_LOST = 1e-9  # regularity of A below which it has lost rank, wherever it began
 _RETRIES = 5  # other charts after failed steps, without a step between
-_LATE = (
-    4.0  # by which |N|^2 at the end of a step exceeds what is watched for where the step is made again in another chart
-)
-_RISE = 4.0  # by which |N| grows before another look is worth its price
 
 
 @dataclass(frozen=True)
@@ -78,32 +61,20 @@ class Integration:
 
     def __init__(self, model: Model, u: Input | FloatArray, settings: Settings) -> None:
         self.model, self.u, self.settings = model, u, settings
-        self._scale = np.ones(len(model.coordinates))  # of coordinates, for |N|
-        self._watched = [SWITCH_SPREAD, SWITCH_DOUBT]  # |N|^2 and doubt at which another look is due
-        self._first = 1.0  # regularity of A at the start
-        self._usual = 1.0  # the same, or what it rose to where it began beside a singularity
-        self._doubt = 1.0  # at the end of the last step
-        self._least_doubt = np.inf  # seen so far in this chart
         self._leaping = False
-        self._longest = 0.0  # step so far
-        self._creeping = 0  # short steps in a row beside a configuration singularity
         self._failed = 0  # steps in a row
         self._happened: tuple[Event, ...] = ()  # at the last knot
 
     def run(self, state: State, t0: float, t1: float, advance: Callable[[float], None]) -> Run:
         """Step until t1, or until something named in `Outcome` stops it."""
-        if self.settings.switch:
-            labels_A = self.model.all_rows(state.q, t0)[1]
-            self._scale = coordinate_scales(self.model, labels_A)
-            self._first = self._usual = regularity(self.model, state.q, t0)
+        self._watch = watch = Watch(self.model, state.q, t0, switch=self.settings.switch)
         motion, y = self._begin(state, t0)
-        run = Run([(t0, motion, y)], sum(motion.energy(t0, motion.full(t0, y))))
-        if self._first < _UNKNOWN:
-            run.outcome = Outcome.CONFIGURATION_SINGULARITY
-            run.note = f" (it starts there: smallest singular value of A {self._first:.1e} of the largest)"
+        run = Run([(t0, motion, y)], motion.energy(t0, y))
+        if note := watch.start():
+            run.outcome, run.note = Outcome.CONFIGURATION_SINGULARITY, note
             return run
         if not np.isfinite(motion.rate(t0, y)).all():
-            run.outcome, run.note = self._stuck(motion, t0, y, "")
+            run.outcome, run.note = watch.stuck(motion, t0, y, "")
             return run
         solver = self._solver(motion, t0, y, t1)
         while solver is not None and solver is not _ENDED and solver.t < t1:
@@ -115,46 +86,51 @@ class Integration:
         chart = self.model if state.independent == self.model.independent else self.model.in_chart(state.independent)
         motion = self._motion(chart)
         y = np.concatenate([state.q, state.v, [0.0]])
-        full = motion.full(t0, y)
-        if self.settings.switch and np.isfinite(full.q_dot).all():
+        q_dot = motion.q_dot(t0, y)
+        if self.settings.switch and np.isfinite(q_dot).all():
             better = self._better(chart, state.q, t0)
-            motion = self._motion(better)
-        return motion, motion.start(t0, state.q, full.q_dot, 0.0)
+            motion = motion if better is chart else self._motion(better)
+        return motion, motion.start(t0, state.q, q_dot, 0.0)
 
     def _motion(self, chart: Model) -> Motion:
-        return Motion(self.model, chart, self.u, fixed=not self.settings.switch)
+        return Motion(
+            self.model,
+            chart,
+            self.u,
+            self._watch.scale,
+            (self.settings.rtol, self.settings.atol),
+            fixed=not self.settings.switch,
+        )
 
     def _solver(
         self, motion: Motion, t: float, y: FloatArray, t1: float, first: float | None = None, longest: float = np.inf
     ) -> Any:
         """A fresh integrator at a state."""
-        from scipy.integrate import DOP853, Radau
-
         s = self.settings
-        options: dict[str, Any] = {"rtol": s.rtol, "atol": s.atol, "max_step": min(s.max_step, longest)}
+        longest = min(s.max_step, longest)
         if first is not None:
-            options["first_step"] = min(first, t1 - t, s.max_step)
-        with np.errstate(all="ignore"):
-            if s.method == "stiff":
-                return Radau(motion.rate, t, y, t1, jac=motion.jacobian, **options)
-            return DOP853(motion.rate, t, y, t1, **options)
+            first = min(first, t1 - t, s.max_step)
+        if s.method == "stiff":
+            return stiff(motion, t, y, t1, (s.rtol, s.atol), longest, first)
+        return Stepper(motion.attempts(), t, y, t1, (s.rtol, s.atol), longest, first)
 
     def _step(self, run: Run, solver: Any, t1: float, advance: Callable[[float], None]) -> Any:
         """One step and what follows from it; the integrator to go on with, or None."""
         t0, motion, _ = run.knots[-1]
         motion.refused = None
         evaluations = solver.nfev
-        with np.errstate(all="ignore"):  # trial steps into a singularity are rejected
-            message = solver.step()
-        run.evaluations += int(solver.nfev - evaluations)
+        message = solver.step()
+        run.evaluations += solver.nfev - evaluations
         if solver.status == "failed":
             return self._after_failure(run, solver, t1, message or "")
-        earlier = self._earlier(run, solver, t1)
-        if earlier is not None:
+        watch, t, raw = self._watch, float(solver.t), solver.y
+        landing = solver.landing or motion.native.landing(t, raw)
+        closer = watch.look(landing, run.pieces, t - t0) or motion.closing
+        if closer and watch.late and (earlier := self._earlier(run, solver, t1)) is not None:
             return earlier
         self._failed = 0
-        piece = Piece(t0, float(solver.t), motion, solver.dense_output())
-        beside = self._beside(run, piece, solver.y)
+        piece = Piece(t0, t, motion, solver.dense_output())
+        beside = closer and watch.beside(motion, t, raw)
         if (beside or motion.closing) and not self._leaping:
             usual = _usual(run, piece)
             t_s = crossed_at(piece, usual)
@@ -162,26 +138,23 @@ class Integration:
                 leapt = self._leap(run, usual, t_s, t1, advance)
                 if leapt is not None:
                     return leapt
-        h = piece.t1 - t0
-        self._longest = max(self._longest, h)
-        y, open_by = run.add(piece, solver.y)
-        if y is not solver.y:
-            solver.y = y
-            solver.f = motion.rate(solver.t, y)
+        y, open_by = run.add(piece, raw, landing)
+        if y is not raw:
+            solver.move(y)
         motion.closing = beside
-        if self.settings.switch and self._usual < _LOW:  # it began beside a singularity
-            self._usual = max(self._usual, regularity(motion.chart, y[: motion.nq], solver.t))
-        advance(float(solver.t))
-        crossing = self._crossing(piece)
-        if crossing is not None:
+        if closer:
+            watch.made(motion, t, y)
+        advance(t)
+        if self.settings.events and (crossing := self._crossing(piece)) is not None:
             return self._at_event(run, piece, crossing, t1)
-        run.outcome, run.note = self._inspected(motion, solver.t, y, open_by, h / self._longest)
-        if not run.outcome.ok:
-            return None
-        if len(run.pieces) >= self.settings.max_steps and solver.t < t1:
+        if closer:
+            run.outcome, run.note = watch.inspected(motion, t, y, open_by, leaping=self._leaping)
+            if run.outcome is not Outcome.COMPLETED:
+                return None
+        if len(run.pieces) >= self.settings.max_steps and t < t1:
             run.outcome, run.note = Outcome.TOO_MANY_STEPS, f" ({len(run.pieces)} steps)"
             return None
-        return self._switched(run, solver, t1)
+        return self._switched(run, solver, t1) if closer and watch.poor else solver
 
     # -- charts ---------------------------------------------------------------------------------------------
 
@@ -197,27 +170,16 @@ class Integration:
         t, motion, y = run.knots[-1]
         if not self.settings.switch or t >= t1:
             return solver
-        spread, doubt = self._spread(motion, t, y)
-        if spread < self._watched[0] and doubt < self._watched[1]:
-            return solver
         better = self._better(motion.chart, y[: motion.nq], t)
         if better is motion.chart:
-            self._watched = [max(_RISE * spread, SWITCH_SPREAD), max(_RISE**4 * doubt, SWITCH_DOUBT)]
+            self._watch.in_vain()
             return solver
         return self._in_chart(run, better, t1, float(solver.step_size or 0.0) or None)
-
-    def _spread(self, motion: Motion, t: float, y: FloatArray) -> tuple[float, float]:
-        """|N|^2 in radians and typical lengths, and doubt."""
-        N, _, _, doubt = motion.measures(t, y)
-        scaled = N * self._scale[motion.chart.independent_columns] / self._scale[:, None]
-        return float(np.sum(scaled * scaled)), doubt
 
     def _earlier(self, run: Run, solver: Any, t1: float) -> Any:
         """The integrator in another chart from the last knot, where a step came too near to a singularity of this."""
         t, motion, y = run.knots[-1]
         if not self.settings.switch or self._leaping or self._failed >= _RETRIES:
-            return None
-        if self._spread(motion, solver.t, solver.y)[0] < _LATE * self._watched[0]:
             return None
         better = self._better(motion.chart, y[: motion.nq], t, forced=True)
         if better is motion.chart:
@@ -228,28 +190,14 @@ class Integration:
     def _in_chart(self, run: Run, chart: Model, t1: float, first: float | None) -> Any:
         """Go on from the last knot in another chart."""
         t, motion, y = run.knots[-1]
-        full = motion.full(t, y)
         onward = self._motion(chart)
-        start = onward.start(t, full.q, full.q_dot, full.work)
+        start = onward.start(t, y[: motion.nq], motion.q_dot(t, y), float(y[-1]))
         run.knots[-1] = (t, onward, start)
         run.switches += 1
-        self._least_doubt = np.inf
-        self._watched = [SWITCH_SPREAD, SWITCH_DOUBT]
+        self._watch.renewed()
         return self._solver(onward, t, start, t1, first)
 
     # -- configuration singularities ------------------------------------------------------------------------
-
-    def _beside(self, run: Run, piece: Piece, y: FloatArray) -> bool:
-        """Whether A itself is about to lose rank: looked at where determinants fall or steps become short."""
-        if not self.settings.switch:
-            return False
-        motion, t = piece.motion, piece.t1
-        self._doubt = motion.measures(t, y)[3]
-        self._least_doubt = min(self._least_doubt, self._doubt)
-        short = t - piece.t0 < _SHORTER * _longest_of(run.pieces)
-        if self._doubt < _CLOSER * self._least_doubt and not short:
-            return False
-        return regularity(motion.chart, y[: motion.nq], t) < _BESIDE * self._first
 
     def _leap(self, run: Run, h: float, t_s: float, t1: float, advance: Callable[[float], None]) -> Any:
         """Go on behind a configuration singularity; None where there is no room, or the end is nearer."""
@@ -295,45 +243,8 @@ class Integration:
             if better is not motion.chart and self._failed < _RETRIES:
                 self._failed += 1
                 return self._in_chart(run, better, t1, None)
-        run.outcome, run.note = self._stuck(motion, t, y, message)
+        run.outcome, run.note = self._watch.stuck(motion, t, y, message)
         return None
-
-    def _stuck(self, motion: Motion, t: float, y: FloatArray, message: str) -> tuple[Outcome, str]:
-        """Name a step that could not be made: close to a singularity it is that."""
-        _, delta, spread, doubt = motion.measures(t, y)
-        if motion.refused in (Outcome.NOT_FINITE, Outcome.SINGULAR_MASS_MATRIX):
-            return motion.refused, ""
-        if not doubt < self._watched[1] or not spread < LARGE_SPREAD:
-            left = regularity(motion.chart, y[: motion.nq], t)
-            if (left < _NEAR * self._first or left < _LOST) and self.settings.switch:
-                return Outcome.CONFIGURATION_SINGULARITY, f" (smallest singular value of A {left:.1e} of the largest)"
-        if motion.refused is not None or not spread < LARGE_SPREAD:
-            return self._singular(motion, delta, spread)
-        return Outcome.STEP_TOO_SMALL, f" ({message})" if message else ""
-
-    def _inspected(self, motion: Motion, t: float, y: FloatArray, open_by: float, length: float) -> tuple[Outcome, str]:
-        """Whether to go on after a step of some length, against the longest so far."""
-        q = y[: motion.nq]
-        if not open_by <= CLOSED_STEP and not open_by <= 10 * closed_to(motion.chart.jacobian(q, t), q):
-            return Outcome.LOOPS_OPEN, f" (|Phi| = {open_by:.1e} m)"
-        if not self.settings.switch:
-            _, delta, spread, _ = motion.measures(t, y)
-            if not spread < SIMULATED_SPREAD:
-                return self._singular(motion, delta, spread)
-        elif not self._doubt < _WITHIN or length < _SUDDEN:
-            left = regularity(motion.chart, q, t) / self._usual
-            self._creeping = self._creeping + 1 if left < _NEAR and length < _SUDDEN else 0
-            if (left < _DECIDED and not self._leaping) or (left < _NEAR and length < _CREEP) or self._creeping > _MANY:
-                return Outcome.CONFIGURATION_SINGULARITY, (
-                    f" (smallest singular value of A {left * self._usual:.1e} of the largest: rounding would decide "
-                    "the way on)"
-                )
-        return Outcome.COMPLETED, ""
-
-    def _singular(self, motion: Motion, delta: float, spread: float) -> tuple[Outcome, str]:
-        names = ", ".join(motion.chart.independent)
-        note = f" (v = rates of {names}, |B| = {delta:.2g}, |N| = {np.sqrt(spread):.2g})"
-        return Outcome.SINGULAR_INDEPENDENT_SET, note
 
     # -- events ---------------------------------------------------------------------------------------------
 
@@ -375,21 +286,15 @@ class Integration:
         """y at the state that events made; what they take or give counts as work."""
         q_dot = self.model.velocity(after)
         start = motion.start(t, after.q.copy(), q_dot, float(y[-1]))
-        before = sum(motion.energy(t, motion.full(t, y)))
-        start[-1] += sum(motion.energy(t, motion.full(t, start))) - before
+        start[-1] += motion.energy(t, start) - motion.energy(t, y)
         return start
 
 
 def _usual(run: Run, piece: Piece) -> float:
     """The length of a step, or that of the longest recent one where this one is much shorter."""
     h = piece.t1 - piece.t0
-    longest = _longest_of(run.pieces)
+    longest = longest_of(run.pieces)
     return longest if h < _SHORT * longest else h
-
-
-def _longest_of(pieces: Sequence[Piece]) -> float:
-    """The length of the longest recent step; 0 without one."""
-    return max((p.t1 - p.t0 for p in pieces[-_RECENT:]), default=0.0)
 
 
 def _may_go(pieces: Sequence[Piece], motion: Motion) -> bool:

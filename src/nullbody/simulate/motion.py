@@ -8,29 +8,21 @@ v are the rates of the independent coordinates of the chart; inputs see the stat
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from nullbody.errors import SingularityError
 from nullbody.kinematics.newton import close_loops
 from nullbody.model import Model, State, rate_jacobian
+from nullbody.simulate.native import Native, NativeAttempts
 from nullbody.simulate.outcome import Outcome
-from nullbody.tolerances import LARGE_SPREAD, REGULAR_DOUBT, REGULAR_LOSS
+from nullbody.simulate.stepper import Attempts, ByRate
 from nullbody.typing import FloatArray
 
-__all__ = ["Full", "Input", "Motion"]
+__all__ = ["Input", "Motion"]
 
 Input = Callable[[float, State], FloatArray]
-
-
-@dataclass(frozen=True, eq=False)
-class Full:
-    """Coordinates, all rates, and the work done so far [J]."""
-
-    q: FloatArray
-    q_dot: FloatArray
-    work: float
 
 
 class Motion:
@@ -40,6 +32,8 @@ class Motion:
         model: the model.
         chart: the same in the independent coordinates in use.
         u: inputs u(t, x), or constant ones.
+        scale: what coordinates are measured in, for |N|.
+        tolerances: relative and absolute, of steps.
         fixed: refuse to pass |B| = 0, where the chart may not be changed.
 
     Attributes:
@@ -48,18 +42,31 @@ class Motion:
             singularity N is right on the manifold only, an error d off it grows to d / distance.
     """
 
-    def __init__(self, model: Model, chart: Model, u: Input | FloatArray, *, fixed: bool) -> None:
+    def __init__(
+        self,
+        model: Model,
+        chart: Model,
+        u: Input | FloatArray,
+        scale: FloatArray,
+        tolerances: tuple[float, float],
+        *,
+        fixed: bool,
+    ) -> None:
         self.model, self.chart, self.u, self.fixed = model, chart, u, fixed
         self.nq, self.nv = len(chart.coordinates), len(chart.independent)
         self.refused: Outcome | None = None
         self.closing = False
+        self._scale, self._tolerances = scale, tolerances
+        self._forward: NativeAttempts | None = None
         self._side = 0.0  # sign of |B| where it began
         self._limits = model.limits if np.isfinite(np.concatenate(model.limits)).any() else None
 
     def start(self, t: float, q: FloatArray, q_dot: FloatArray, work: float) -> FloatArray:
         """y for a configuration and all rates."""
         y = np.concatenate([q, q_dot[self.chart.independent_columns], [work]])
-        self._side = float(np.sign(self._kinematics(t, y)[3]))
+        side = float(np.sign(self.native.landing(t, y).delta))
+        if side != self._side:
+            self._side, self._forward = side, None
         return y
 
     def rate(self, t: float, y: FloatArray) -> FloatArray:
@@ -70,20 +77,15 @@ class Motion:
             return np.full(len(y), np.nan)
         if self.closing:
             y = self.closed(t, y)
-        q, v = y[: self.nq], y[self.nq : self.nq + self.nv]
+        if not callable(self.u):
+            return self.forward.rate(t, y)
         try:
             u = self._input(t, y)
         except SingularityError:  # of a controller that inverts the model
-            return self._refuse(Outcome.SINGULAR_INDEPENDENT_SET, y)
+            return self._none(Outcome.SINGULAR_INDEPENDENT_SET, y)
         if not np.isfinite(u).all():
-            return self._refuse(Outcome.NOT_FINITE, y)
-        q_ddot, q_dot, delta, spread, doubt, loss, power = self.chart.evaluate("forward_dynamics", q, v, u, t=t)
-        if (self.fixed and np.sign(delta) != self._side) or not doubt < REGULAR_DOUBT:
-            return self._refuse(Outcome.SINGULAR_INDEPENDENT_SET, y)
-        if not (abs(loss) < REGULAR_LOSS and np.isfinite(q_ddot).all()):
-            massless = spread < LARGE_SPREAD
-            return self._refuse(Outcome.SINGULAR_MASS_MATRIX if massless else Outcome.SINGULAR_INDEPENDENT_SET, y)
-        return np.concatenate([q_dot, q_ddot[self.chart.independent_columns], [power]])
+            return self._none(Outcome.NOT_FINITE, y)
+        return self.forward.rate(t, y, u)
 
     def closed(self, t: float, y: FloatArray) -> FloatArray:
         """y with its loops closed, the independent coordinates held; y itself where Newton does not get there."""
@@ -102,45 +104,66 @@ class Motion:
         J[:, :-1] = rate_jacobian(self.chart, q, v, u, t)
         return np.nan_to_num(J)
 
-    def measures(self, t: float, y: FloatArray) -> tuple[FloatArray, float, float, float]:
-        """N, delta, |N|^2 and doubt."""
-        N, _, _, delta, spread, doubt = self._kinematics(t, y)
-        return N, float(delta), float(spread), float(doubt)
+    @cached_property
+    def native(self) -> Native:
+        """The kernels of the chart with memory of their own."""
+        return Native(self.chart, self._scale)
 
-    def full(self, t: float, y: FloatArray) -> Full:
+    @property
+    def forward(self) -> NativeAttempts:
+        """The forward dynamics of the chart, with what must hold where they are evaluated."""
+        if self._forward is None:
+            u = np.zeros(len(self.model.inputs)) if callable(self.u) else self._held(self.u)
+            side = self._side if self.fixed else None
+            self._forward = NativeAttempts(self.chart, self.native, u, side, self._tolerances, self._refuse)
+        return self._forward
+
+    def attempts(self) -> Callable[[], Attempts]:
+        """Who makes attempts of steps: native code where the inputs are constant and the loops need no closing."""
+        by_rate, native = ByRate(self.rate, self.nq + self.nv + 1, self._tolerances), self.forward
+        return lambda: by_rate if self.closing or callable(self.u) else native
+
+    def q_dot(self, t: float, y: FloatArray) -> FloatArray:
         """All rates of a state."""
-        q_dot = self._kinematics(t, y)[2]
-        return Full(y[: self.nq].copy(), q_dot, float(y[-1]))
+        return self.native.rate(t, y)
 
-    def inputs(self, t: float, y: FloatArray) -> FloatArray:
-        """u(t, x), or NaN where a controller that inverts the model finds it singular."""
-        try:
-            return self._input(t, y)
-        except SingularityError:
-            return np.full(len(self.model.inputs), np.nan)
+    def inputs(self, t: FloatArray, y: FloatArray) -> FloatArray:
+        """u(t, x) at many times, or NaN where a controller that inverts the model finds it singular."""
+        if not callable(self.u):
+            return np.tile(self._held(self.u), (len(t), 1))
+        found = np.empty((len(t), len(self.model.inputs)))
+        for k, (time, row) in enumerate(zip(t.tolist(), y, strict=True)):
+            try:
+                found[k] = self._input(time, row)
+            except SingularityError:
+                found[k] = np.nan
+        return found
 
     def state(self, t: float, y: FloatArray) -> State:
         """The state in the independent coordinates of the model."""
         if self.chart.independent == self.model.independent:
             v = y[self.nq : self.nq + self.nv].copy()
         else:
-            v = self._kinematics(t, y)[2][self.model.independent_columns]
+            v = self.q_dot(t, y)[self.model.independent_columns]
         return self.model.trusted_state(y[: self.nq].copy(), v, t)
 
-    def energy(self, t: float, full: Full) -> tuple[float, float]:
-        """Kinetic and potential energy [J], also right before a singularity."""
-        T, U = self.chart.evaluate("energy", full.q, full.q_dot, t=t)
-        return float(T), float(U)
+    def energy(self, t: float, y: FloatArray) -> float:
+        """Kinetic and potential energy together [J], also right before a singularity."""
+        return float(self.native.energies(np.array([t]), y[None, : self.nq], self.q_dot(t, y)[None]).sum())
 
     def _input(self, t: float, y: FloatArray) -> FloatArray:
-        given = self.u(t, self.state(t, y)) if callable(self.u) else self.u
+        return self._held(self.u(t, self.state(t, y)) if callable(self.u) else self.u)
+
+    def _held(self, given: FloatArray) -> FloatArray:
+        """Inputs within their limits."""
         if self._limits is None or not np.isfinite(given).all():
             return given
         return np.clip(given, *self._limits)
 
-    def _kinematics(self, t: float, y: FloatArray) -> tuple[FloatArray, ...]:
-        return self.chart.evaluate("kinematics", y[: self.nq], y[self.nq : self.nq + self.nv], t=t)
-
-    def _refuse(self, why: Outcome, y: FloatArray) -> FloatArray:
+    def _refuse(self, why: Outcome) -> None:
         self.refused = why
+
+    def _none(self, why: Outcome, y: FloatArray) -> FloatArray:
+        """y' where it is refused."""
+        self._refuse(why)
         return np.full(len(y), np.nan)

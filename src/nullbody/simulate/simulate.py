@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from inspect import signature
 from numbers import Integral, Real
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from nullbody.errors import InputError, SimulationError, StateError, UnknownName
 from nullbody.model import Model, State, checked_model, vector
-from nullbody.model.check import check_facing, check_redundant
+from nullbody.model.check import check_closed
 from nullbody.simulate.event import Event
 from nullbody.simulate.integration import Integration, Settings
-from nullbody.simulate.motion import Full, Motion
-from nullbody.simulate.piece import Run, at_time
+from nullbody.simulate.moments import Moments, at_knots, at_times
+from nullbody.simulate.piece import Run
 from nullbody.simulate.progress import progress_bar
 from nullbody.simulate.trajectory import Statistics, Trajectory
-from nullbody.tolerances import GIVEN_CLOSED
 from nullbody.typing import FloatArray
 
 __all__ = ["simulate"]
@@ -96,14 +95,7 @@ def _check(model: Model, state: object, t0: float, t1: float, rtol: float) -> No
         raise InputError("simulate starts from a State of the same model: use model.state(q, v) or assemble(...)")
     if not (np.isfinite(state.q).all() and np.isfinite(state.v).all()):
         raise StateError("the start is not finite")
-    residual = float(np.abs(model.residual(state.q, t0)).max(initial=0.0))
-    if not residual <= GIVEN_CLOSED:
-        raise StateError(
-            f"the start is off the constraint manifold by {residual:.3g} m: was it made by a model with other "
-            "parameters? nullbody.assemble(model, {...}, guess=state) closes the loops for these"
-        )
-    check_redundant(model, state.q, t0)
-    check_facing(model, state.q, t0)
+    check_closed(model, state.q, t0)
     if not (np.isfinite(t0) and np.isfinite(t1) and t1 > t0):
         raise InputError(f"the end time t1 = {t1} must be finite and after the start t0 = {t0}")
     if not _TIGHTEST <= rtol <= 0.1:
@@ -183,39 +175,34 @@ def _sample_times(samples: Any, t0: float, t1: float) -> int | FloatArray | None
     return np.minimum(times, t1)
 
 
-def _moments(run: Run, wanted: int | FloatArray | None) -> list[_Moment]:
+def _moments(run: Run, wanted: int | FloatArray | None) -> Iterator[Moments]:
     """What to store: the knots, or the wanted times up to where the simulation came."""
     if wanted is None or not run.pieces:
         early = isinstance(wanted, np.ndarray) and wanted[0] > run.knots[0][0]
-        knots = [] if early else run.knots
-        return [_Moment(t, motion, y, motion.full(t, y)) for t, motion, y in knots]
+        return at_knots([] if early else run.knots)
     t0, end = run.knots[0][0], run.knots[-1][0]
-    times = np.linspace(t0, end, wanted) if isinstance(wanted, int) else wanted[wanted <= end]
-    steps = [(float(t), at_time(run.pieces, float(t))) for t in times]
-    return [_Moment(t, piece.motion, piece.y(t), piece.full(t)) for t, piece in steps]
-
-
-class _Moment(NamedTuple):
-    """A time, the motion in its chart, y, and all rates."""
-
-    t: float
-    motion: Motion
-    y: FloatArray
-    full: Full
+    return at_times(run.pieces, np.linspace(t0, end, wanted) if isinstance(wanted, int) else wanted[wanted <= end])
 
 
 def _stored(model: Model, run: Run, wanted: int | FloatArray | None, began: float) -> Trajectory:
     """Everything at the sample times, and the balances."""
-    moments = _moments(run, wanted)
-    count = len(moments)
-    full = [m.full for m in moments]
-    q = np.array([f.q for f in full]).reshape(count, len(model.coordinates))
-    q_dot = np.array([f.q_dot for f in full]).reshape(count, len(model.coordinates))
-    work = np.array([f.work for f in full])
-    energies = np.array([m.motion.energy(m.t, m.full) for m in moments]).reshape(-1, 2)
-    inputs = np.array([m.motion.inputs(m.t, m.y) for m in moments]).reshape(count, len(model.inputs))
-    times = np.array([m.t for m in moments])
-    gaps = [np.abs(model.residual(m.full.q, m.t)).max(initial=0.0) for m in moments]
+    columns: dict[str, list[FloatArray]] = {name: [] for name in ("t", "q", "q_dot", "u", "energies", "work", "gaps")}
+    for m in _moments(run, wanted):
+        columns["t"].append(m.t)
+        columns["q"].append(m.q)
+        columns["q_dot"].append(m.q_dot)
+        columns["u"].append(m.motion.inputs(m.t, m.y))
+        columns["energies"].append(m.motion.native.energies(m.t, m.q, m.q_dot))
+        columns["work"].append(m.y[:, -1])
+        columns["gaps"].append(m.motion.native.gaps(m.t, m.y))
+    width = {"q": len(model.coordinates), "q_dot": len(model.coordinates), "u": len(model.inputs), "energies": 2}
+    stored = {
+        name: np.concatenate([np.empty((0, width[name]) if name in width else 0), *parts])
+        for name, parts in columns.items()
+    }
+    for array in stored.values():
+        array.flags.writeable = False
+    energies, work = stored["energies"], stored["work"]
     balance = energies.sum(axis=1) - work
     statistics = Statistics(
         steps=len(run.pieces),
@@ -223,18 +210,16 @@ def _stored(model: Model, run: Run, wanted: int | FloatArray | None, began: floa
         projections=run.projections,
         switches=run.switches,
         crossings=run.crossings,
-        residual=float(max(gaps, default=0.0)),
+        residual=float(stored["gaps"].max(initial=0.0)),
         energy_drift=float(np.abs(balance - run.energy).max(initial=0.0)),
         seconds=time.perf_counter() - began,
     )
-    for array in (times, q, q_dot, inputs, energies, work):
-        array.flags.writeable = False
     return Trajectory(
         model=model,
-        t=times,
-        q=q,
-        q_dot=q_dot,
-        u=inputs,
+        t=stored["t"],
+        q=stored["q"],
+        q_dot=stored["q_dot"],
+        u=stored["u"],
         kinetic=energies[:, 0],
         potential=energies[:, 1],
         work=work,

@@ -11,6 +11,7 @@ import numpy as np
 from nullbody.errors import InputError, UnknownName
 from nullbody.model import Model, State
 from nullbody.simulate.event import Happened
+from nullbody.simulate.moments import at_times
 from nullbody.simulate.outcome import Outcome
 from nullbody.simulate.piece import Piece, at_time
 from nullbody.tolerances import LARGE_SPREAD
@@ -36,7 +37,7 @@ class Statistics:
 
     Attributes:
         steps: accepted steps.
-        evaluations: calls of the forward dynamics.
+        evaluations: calls of the forward dynamics in attempts of steps.
         projections: steps after which the loops were closed again.
         switches: changes of the independent coordinates.
         crossings: configuration singularities that were passed.
@@ -106,12 +107,23 @@ class Trajectory:
     def __len__(self) -> int:
         return len(self.t)
 
+    @property
+    def charts(self) -> tuple[tuple[float, tuple[str, ...]], ...]:
+        """From when on [s] which coordinates were the independent ones: those that the integration used."""
+        used: list[tuple[float, tuple[str, ...]]] = []
+        for piece in self._pieces:
+            independent = piece.motion.chart.independent
+            if not used or used[-1][1] != independent:
+                used.append((piece.t0, independent))
+        return tuple(used)
+
     def state(self, t: float) -> State:
         """The state at any time of the simulation; where the model's independent coordinates are poor, in others."""
-        moment = self._moments([t])[0]
+        moment = float(self._moments([t])[0])
         if not self._pieces:
             return self.model.trusted_state(self.q[0].copy(), self.v[0].copy(), float(self.t[0]))
-        motion, y = at_time(self._pieces, moment).motion, at_time(self._pieces, moment).y(moment)
+        piece = at_time(self._pieces, moment)
+        motion, y = piece.motion, piece.y(moment)
         state = motion.state(moment, y)
         spread = self.model.evaluate("kinematics", state.q, state.v, t=moment)[4]
         if spread < LARGE_SPREAD or motion.chart.independent == self.model.independent:
@@ -129,9 +141,13 @@ class Trajectory:
         columns = self.model.independent_columns
         if not self._pieces:
             return Sample(times, np.repeat(self.q[:1], len(times), 0), np.repeat(self.v[:1], len(times), 0))
-        full = [at_time(self._pieces, float(time)).full(float(time)) for time in times]
-        q = np.array([f.q for f in full]).reshape(len(times), len(self.model.coordinates))
-        return Sample(times, q, np.array([f.q_dot[columns] for f in full]).reshape(len(times), len(columns)))
+        q, v = np.empty((len(times), len(self.model.coordinates))), np.empty((len(times), len(columns)))
+        done = 0
+        for moments in at_times(self._pieces, times):
+            here = slice(done, done + len(moments.t))
+            q[here], v[here] = moments.q, moments.q_dot[:, columns]
+            done = here.stop
+        return Sample(times, q, v)
 
     def _moments(self, t: Sequence[float] | FloatArray) -> FloatArray:
         first = self._pieces[0].t0 if self._pieces else float(self.t[0])
