@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from typing import Any
 
@@ -58,6 +59,16 @@ def test_samples_come_in_the_order_of_their_times() -> None:
         state = found.state(float(time))
         np.testing.assert_allclose(state.q, q, atol=1e-14)
         np.testing.assert_allclose(state.v, v, atol=1e-14)
+
+
+def test_threads_may_sample_one_trajectory() -> None:
+    found = simulate(robot(), assemble(robot(), HOME, v=(0.1, -0.1, 0.0)), 0.1, rtol=1e-7)
+    t = np.linspace(0.0, 0.1, 400)
+    with ThreadPoolExecutor(8) as pool:
+        samples = list(pool.map(lambda _: found.sample(t), range(16)))
+    for sample in samples:
+        np.testing.assert_array_equal(sample.q, samples[0].q)
+        np.testing.assert_array_equal(sample.v, samples[0].v)
 
 
 def test_charts_that_were_used() -> None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import ctypes
 import threading
 from collections.abc import Sequence
+from itertools import chain
 from math import prod
 from typing import Any, NamedTuple
 
@@ -91,6 +92,7 @@ class BlockKernel:
         rows = compile_text(rows_name(number), rows_ir(number))
         self._owners = code.owner, rows.owner
         self._function, self._rows = _BLOCKS(code.address), _ROWS(rows.address)
+        self._sizes = [prod(shape) for _, shape in program.outputs]
         self._memory = _Memory(len(program.tape.inputs), len(program.tape.outputs), dtype)
 
     def __call__(
@@ -115,9 +117,12 @@ class BlockKernel:
         arrays = self._arrays(groups)
         states = self._states(arrays)
         workers = thread_count(threads)
-        shapes = [(states, *shape) for _, shape in self.program.outputs]
-        results = [np.empty(shape, self.dtype) for shape in shapes] if out is None else self._given(out, shapes, arrays)
-        job = _job(states, arrays, results)
+        results = self._results(states) if out is None else self._given(out, states)
+        groups_in = [(array.ctypes.data, _stride(array), array.shape[-1]) for array in arrays]
+        groups_out = [(r.ctypes.data, size * r.itemsize, size) for r, size in zip(results, self._sizes, strict=True)]
+        if out is not None:
+            self._apart(states, groups_in, groups_out)
+        job = np.array([states, len(arrays), len(results), *chain(*groups_in, *groups_out)], dtype=np.int64)
         code, place = self.address, job.ctypes.data
 
         def work(begin: int, end: int) -> None:
@@ -180,30 +185,44 @@ class BlockKernel:
             raise InputError(f"kernel {label(self.program)}: the inputs have different numbers of states: {listed}")
         return next(iter(counts.values()))
 
-    def _given(
-        self, out: Sequence[NDArray[Any]], shapes: Sequence[tuple[int, ...]], arrays: Sequence[NDArray[Any]]
-    ) -> list[NDArray[Any]]:
+    def _results(self, states: int) -> list[NDArray[Any]]:
+        """New arrays to write to."""
+        return [np.empty((states, *shape), self.dtype) for _, shape in self.program.outputs]
+
+    def _given(self, out: Sequence[NDArray[Any]], states: int) -> list[NDArray[Any]]:
         """The arrays to write to, checked."""
         results = list(out)
-        if len(results) != len(shapes):
-            raise InputError(f"kernel {label(self.program)}: out has {len(results)} arrays, not {len(shapes)}")
-        for k, ((name, _), shape, result) in enumerate(zip(self.program.outputs, shapes, results, strict=True)):
-            if type(result) is not np.ndarray or result.shape != shape or result.dtype != self.dtype:
-                raise InputError(f"kernel {label(self.program)}: out for {name!r} must be a {self.dtype} array {shape}")
+        if len(results) != len(self._sizes):
+            raise InputError(f"kernel {label(self.program)}: out has {len(results)} arrays, not {len(self._sizes)}")
+        for (name, shape), result in zip(self.program.outputs, results, strict=True):
+            whole = (states, *shape)
+            if type(result) is not np.ndarray or result.shape != whole or result.dtype != self.dtype:
+                raise InputError(f"kernel {label(self.program)}: out for {name!r} must be a {self.dtype} array {whole}")
             if not (result.flags.c_contiguous and result.flags.aligned and result.flags.writeable):
                 raise InputError(f"kernel {label(self.program)}: out for {name!r} must be contiguous and writeable")
-            if any(np.may_share_memory(result, other) for other in (*arrays, *results[:k])):
-                raise InputError(f"kernel {label(self.program)}: out for {name!r} shares memory with another array")
         return results
 
+    def _apart(self, states: int, groups_in: Sequence[_Place], groups_out: Sequence[_Place]) -> None:
+        """Raise where an array to write to shares memory with another one."""
+        spans = [_span(place, states, self.dtype.itemsize) for place in (*groups_in, *groups_out)]
+        for k, (name, _) in enumerate(self.program.outputs, len(groups_in)):
+            low, high = spans[k]
+            if any(low < end and begin < high for begin, end in spans[:k]):
+                raise InputError(f"kernel {label(self.program)}: out for {name!r} shares memory with another array")
 
-def _job(states: int, arrays: Sequence[NDArray[Any]], results: Sequence[NDArray[Any]]) -> NDArray[np.int64]:
-    """What `nb_rows` reads: the number of states and of groups, and address, stride and size of each group."""
-    numbers = [states, len(arrays), len(results)]
-    for array in arrays:
-        shared = array.ndim == 1
-        numbers += [array.ctypes.data, 0 if shared else array.strides[0], array.shape[-1]]
-    for result in results:
-        size = prod(result.shape[1:])
-        numbers += [result.ctypes.data, size * result.itemsize, size]
-    return np.array(numbers, dtype=np.int64)
+
+#: Where a group is: its address, the bytes from row to row (0: one row for all states), its size.
+_Place = tuple[int, int, int]
+
+
+def _stride(array: NDArray[Any]) -> int:
+    return array.strides[0] if array.ndim == 2 else 0
+
+
+def _span(place: _Place, states: int, itemsize: int) -> tuple[int, int]:
+    """The first and last byte of a group, the last one not included."""
+    address, stride, size = place
+    if not size or not states:
+        return address, address
+    reach = (states - 1) * stride
+    return address + min(0, reach), address + max(0, reach) + size * itemsize

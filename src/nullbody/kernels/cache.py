@@ -1,4 +1,4 @@
-"""The cache of object files on disk.
+"""The cache on disk: object files, and what models are made from.
 
 Folder: the environment variable NULLBODY_CACHE, else nullbody in the user's cache folder; NULLBODY_CACHE=off: no cache.
 A file is a checksum and an object; it is written under another name and renamed, so that it is there completely or

@@ -1,0 +1,128 @@
+"""Results of many robots on disk, one time after the other, in NetCDF-4: what xarray reads a part of at a time.
+
+The file grows beside its place under the name <name>.part; at the end it takes its place. It does so too where the
+simulation is interrupted or fails, and then says so: `complete` is 0, and t ends early. Where the process is killed
+there is the draft only.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nullbody.errors import OutputError
+from nullbody.model import Model
+from nullbody.simulate.batch_result import BatchTrajectory, contents
+from nullbody.typing import FloatArray
+
+__all__ = ["BatchFile", "checked_path"]
+
+_CHUNK = 2**20  # bytes of one chunk of the file
+_ADVICE = "Choose a folder that you can write and that has space"
+
+
+def checked_path(to: object) -> Path:
+    """Where the file will be, checked before any work is done.
+
+    Raises:
+        OutputError: it does not end in .nc, or there is no such folder that can be written.
+    """
+    if not isinstance(to, str | os.PathLike):
+        raise OutputError(f"to must be the path of a file that ends in .nc, not {to!r:.80}")
+    path = Path(to).expanduser()
+    if path.suffix.lower() != ".nc" or path.is_dir():
+        raise OutputError(f"{path} cannot be written: it must be a file whose name ends in .nc")
+    if not (path.parent.is_dir() and os.access(path.parent, os.W_OK | os.X_OK)):
+        raise OutputError(f"{path} cannot be written: the folder {path.parent} is missing or not writable. {_ADVICE}")
+    return path
+
+
+class BatchFile:
+    """A file that takes the states of all robots at one time after the other.
+
+    Args:
+        path: where it will be.
+        model: the model.
+        robots: how many.
+    """
+
+    def __init__(self, path: Path, model: Model, robots: int) -> None:
+        import h5netcdf
+
+        self.path, self.draft = path, path.with_name(path.name + ".part")
+        sizes = {"robot": robots, "coordinate": len(model.coordinates), "independent": len(model.independent)}
+        try:
+            self._file = h5netcdf.File(self.draft, "w")
+            self._file.dimensions = {"t": None, **sizes}
+            self._file.create_variable("t", ("t",), "f8").attrs["units"] = "s"
+            for name, last in (("q", "coordinate"), ("v", "independent")):
+                columns = sizes[last]
+                some = max(1, min(robots, _CHUNK // (8 * max(1, columns))))
+                chunks = (1, some, max(1, columns))
+                self._file.create_variable(
+                    name, ("t", "robot", last), "f8", chunks=chunks if robots and columns else None, fillvalue=np.nan
+                )
+            self._file.attrs["complete"] = 0
+            self._file.attrs["mechanism"] = model.mechanism.name
+        except OSError as error:
+            raise self._failed(error) from error
+
+    def write(self, index: int, t: float, q: FloatArray, v: FloatArray) -> None:
+        """The states at one time.
+
+        Raises:
+            OutputError: the system refused to write.
+        """
+        try:
+            self._file.resize_dimension("t", index + 1)
+            self._file["t"][index] = t
+            self._put("q", index, q)
+            self._put("v", index, v)
+            self._file.flush()
+        except OSError as error:
+            raise self._failed(error) from error
+
+    def finish(self, trajectory: BatchTrajectory) -> None:
+        """Write what is known at the end, mark the file as complete and put it in its place.
+
+        Raises:
+            OutputError: the system refused to write.
+        """
+        variables, coordinates, attributes = contents(trajectory)
+        try:
+            if "parameter" in coordinates:
+                self._file.dimensions["parameter"] = len(coordinates["parameter"][1])
+            for name, (dimensions, values, attrs) in {**coordinates, **variables}.items():
+                if name != "t":
+                    self._add(name, dimensions, values, attrs)
+            for name, value in attributes.items():
+                self._file.attrs[name] = value
+            self.close()
+        except OSError as error:
+            raise self._failed(error) from error
+
+    def close(self) -> None:
+        """Put the file in its place as it is."""
+        self._file.close()
+        self.draft.replace(self.path)
+
+    def _put(self, name: str, index: int, values: FloatArray) -> None:
+        if values.size:
+            self._file[name][index] = values
+
+    def _add(self, name: str, dimensions: Any, values: NDArray[Any], attributes: dict[str, Any]) -> None:
+        import h5py  # type: ignore[import-untyped]
+
+        axes = (dimensions,) if isinstance(dimensions, str) else dimensions
+        kind = h5py.string_dtype() if values.dtype == object else values.dtype
+        variable = self._file.create_variable(name, axes, kind, data=values if values.size else None)
+        for key, value in attributes.items():
+            variable.attrs[key] = value
+
+    def _failed(self, error: OSError) -> OutputError:
+        self.draft.unlink(missing_ok=True)
+        return OutputError(f"{self.path} cannot be written: {error.strerror or error}. {_ADVICE}")
