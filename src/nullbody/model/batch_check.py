@@ -33,6 +33,11 @@ class Limits:
     loss: float
     large: float
 
+    @property
+    def worst(self) -> tuple[float, float, float, float]:
+        """For |N|^2, doubt, loss and -loss."""
+        return self.spread, self.doubt, self.loss, self.loss
+
 
 _LIMITS = {
     np.dtype(np.float64): Limits(REGULAR_SPREAD, REGULAR_DOUBT, REGULAR_LOSS, LARGE_SPREAD),
@@ -62,6 +67,9 @@ def singular_dynamics(
 ) -> NDArray[np.bool_]:
     """Where a result of the dynamics has lost too many digits."""
     with np.errstate(invalid="ignore", over="ignore"):
+        worst = (x.max(initial=0.0) for x in (spread, doubt, loss, -loss))  # of NaN it is NaN
+        if all(x < limit for x, limit in zip(worst, limits.worst, strict=True)) and np.isfinite(result.sum()):
+            return np.zeros(len(result), dtype=bool)
         lost = ~(np.abs(loss) < limits.loss)
         if not np.isfinite(result.sum()):
             lost |= ~np.isfinite(result).all(axis=tuple(range(1, result.ndim)))
