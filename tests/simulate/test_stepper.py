@@ -303,3 +303,18 @@ def test_memory_does_not_grow_from_run_to_run() -> None:
         assert used() - first < 20_000  # one run leaves 60 kB while its trajectory lives
     finally:
         tracemalloc.stop()
+
+
+@pytest.mark.parametrize("switch", [True, False])
+def test_a_motion_goes_on_where_the_basis_of_the_kernels_is_singular(switch: bool) -> None:
+    """Links that point straight up are singular for y, psi, theta, not for the slides."""
+    basis, plain = (
+        nullbody.build(nullbody.catalog.three_prs(), basis=names)
+        for names in (("y", "psi", "theta"), ("s1", "s2", "s3"))
+    )
+    for alpha, v in ((np.pi / 2, (0.3, 0.3, 0.2)), (1.4, (0.5, 0.5, 0.5)), (1.4, (0.4, 0.5, 0.6))):
+        start = nullbody.assemble(plain, {f"alpha{i}": alpha for i in (1, 2, 3)}, v=v)
+        found, expected = (nullbody.simulate(model, start, 0.3, switch=switch) for model in (basis, plain))
+        assert found.outcome.ok
+        assert expected.outcome.ok
+        np.testing.assert_allclose(found.q[-1], expected.q[-1], atol=1e-8)

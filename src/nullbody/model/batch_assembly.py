@@ -113,7 +113,7 @@ def closed_rows(call: Call, q: FloatArray, residual: NDArray[Any], factor: float
     doubtful: IndexArray = np.flatnonzero(~closed & (residual <= factor * GIVEN_CLOSED))
     if len(doubtful):
         here = q[doubtful]
-        A = call("closure", ("A",), here, doubtful)[0].reshape(len(doubtful), -1, q.shape[1])
+        A = call("closure", ("A",), here, doubtful)[0]
         lengths = np.einsum("ijk,ik->ij", np.abs(A), np.maximum(np.abs(here), 1.0)).max(axis=1, initial=0.0)
         allowed = np.clip(32 * EPS * lengths, CLOSED, GIVEN_CLOSED)
         closed[doubtful] = residual[doubtful] <= factor * allowed

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nullbody.errors import InputError, SingularityError
-from nullbody.tolerances import LARGE_SPREAD, REGULAR_DOUBT, REGULAR_LOSS, REGULAR_SPREAD
+from nullbody.tolerances import REGULAR_DOUBT, REGULAR_LOSS, REGULAR_SPREAD
 
 __all__ = ["SINGULAR", "Limits", "limits_of", "refuse", "singular_dynamics", "singular_kinematics"]
 
@@ -25,13 +25,11 @@ class Limits:
         spread: |N|^2.
         doubt: (|B| against the product of its column lengths)^-2.
         loss: of Mr.
-        large: |N|^2 that explains a large loss.
     """
 
     spread: float
     doubt: float
     loss: float
-    large: float
 
     @property
     def worst(self) -> tuple[float, float, float, float]:
@@ -40,9 +38,9 @@ class Limits:
 
 
 _LIMITS = {
-    np.dtype(np.float64): Limits(REGULAR_SPREAD, REGULAR_DOUBT, REGULAR_LOSS, LARGE_SPREAD),
+    np.dtype(np.float64): Limits(REGULAR_SPREAD, REGULAR_DOUBT, REGULAR_LOSS),
     # eps = 1.2e-7: refused where less than two digits may be left, or |B| is at rounding level
-    np.dtype(np.float32): Limits(7e9, 1e10, 8e3, LARGE_SPREAD),
+    np.dtype(np.float32): Limits(7e9, 1e10, 8e3),
 }
 
 

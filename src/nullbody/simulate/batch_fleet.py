@@ -143,15 +143,18 @@ class Fleet:
             {name: np.concatenate([old.each(name), values]) for name, values in each.items()},
         )
 
+    def travellers(self, places: IndexArray) -> Travellers:
+        """Some robots, by their places in the fleet, as any chart sees them."""
+        y = self.y()[places]
+        lanes = {name: self.lanes.each(name)[places].copy() for name in ("time", "step", "accepted", "refused")}
+        rates = self._rates(places)
+        return Travellers(self.robots[places], y[:, : self.nq], rates, y[:, -1], MappingProxyType(lanes))
+
     def take(self, places: IndexArray) -> Travellers:
-        """Take robots out, by their places in the fleet."""
-        y, old = self.y(), self.lanes
-        lanes = {name: old.each(name)[places].copy() for name in ("time", "step", "accepted", "refused")}
-        some = Travellers(
-            self.robots[places], y[places, : self.nq], self._rates(places), y[places, -1], MappingProxyType(lanes)
-        )
+        """The same, taken out."""
+        some, y = self.travellers(places), self.y()
         kept = np.setdiff1d(np.arange(len(self.robots)), places)
-        each = {name: old.each(name)[kept] for name in (*lanes, "side", "status")}
+        each = {name: self.lanes.each(name)[kept] for name in (*some.lanes, "side", "status")}
         self._rebuilt(self.robots[kept], y[kept], each)
         return some
 
@@ -196,8 +199,8 @@ class Fleet:
         q = self.y()[places, : self.nq]
         call = self.called_for(self.lanes.each("time")[places], self.robots[places])
         slips = [i for i, label in enumerate(model.labels) if label not in model.closure_labels]
-        parts = [call(routine, ("A",), q)[0] for routine in ("closure", "rows")]
-        closures, rows = (part.reshape(len(q), -1, self.nq) for part in parts)
+        closures = call("closure", ("A",), q)[0].reshape(len(q), len(model.closure_labels), self.nq)
+        rows = call("rows", ("A",), q)[0].reshape(len(q), rank, self.nq)
         A = stack_without_units(model, np.concatenate([closures, rows[:, slips]], axis=1))
         sizes = np.linalg.svd(np.nan_to_num(A), compute_uv=False)
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -290,9 +293,9 @@ class Fleet:
     def _gaps(self, call: BatchCall, q: FloatArray) -> FloatArray:
         return np.asarray(np.abs(call("closure", ("Phi",), q)[0]).max(axis=1, initial=0.0))
 
-    def measured(self, t: float) -> tuple[FloatArray, FloatArray]:
-        """T + U - work and the largest |Phi| of all robots, at time t."""
-        y, call = self.y(), self.called(t)
+    def measured(self) -> tuple[FloatArray, FloatArray]:
+        """T + U - work and the largest |Phi| of all robots, where they are."""
+        y, call = self.y(), self.called(self.lanes.each("time"))
         q, v = (np.ascontiguousarray(part) for part in (y[:, : self.nq], y[:, self.nq : -1]))
         groups = [q, v, *([call.t] if self.model.rheonomic else []), call.p]
         Phi, T, U = self.measure(*groups, threads=self.settings.threads)

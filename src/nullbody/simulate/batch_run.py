@@ -26,7 +26,7 @@ __all__ = ["BatchRun", "Inputs"]
 
 _FIRST = 0.1  # first step against the first interval
 _AGAIN = 1e-3  # first step in another chart, likewise
-_POOR = 1e3  # |N|^2 against the least seen in a chart, or 1, from which a robot looks for another chart
+_POOR = 1e2  # |N|^2 against the least seen in a chart, or 1, from which a robot looks for another chart
 _BETTER = 0.1  # of the threshold of a chart, below which a robot may enter
 _UNSURE = 1e4  # doubt likewise: determinants at 1e-4 of the product of column lengths, or a hundredth of what they were
 _LOST = 1e12  # doubt at which a robot ends that has found no better chart
@@ -110,7 +110,7 @@ class BatchRun:
         if home.watch is not None:
             home.lanes.put_each("status", np.where(spread > home.watch, CODES["watched"], 0))
         self.residual, self.energy_drift = np.zeros(self.robots), np.zeros(self.robots)
-        self._energy, gaps = home.measured(t)
+        self._energy, gaps = home.measured()
         np.maximum(self.residual, gaps, out=self.residual)
 
     def _watched(self, model: Model, spread: float, doubt: float) -> Fleet:
@@ -159,12 +159,10 @@ class BatchRun:
         for fleet in self.fleets:
             if self.settings.projection:
                 fleet.polish(end)
-            energy, gaps = fleet.measured(end)
-            for kept, values in (
-                (self.energy_drift, np.abs(energy - self._energy[fleet.robots])),
-                (self.residual, gaps),
-            ):
-                kept[fleet.robots] = np.where(fleet.running, np.maximum(kept[fleet.robots], values), kept[fleet.robots])
+            energy, gaps = fleet.measured()
+            here = fleet.robots
+            self.energy_drift[here] = np.fmax(self.energy_drift[here], np.abs(energy - self._energy[here]))
+            self.residual[here] = np.fmax(self.residual[here], np.where(fleet.running, gaps, 0.0))
 
     def _evaluated(self, interval: int, t: float) -> FloatArray:
         u = self.inputs(interval, t, *self.state())
@@ -179,6 +177,8 @@ class BatchRun:
 
     def _to(self, begin: float, end: float, show: Callable[[float], None]) -> None:
         """All fleets to the end of an interval, with changes of chart on the way."""
+        if self.settings.switch:
+            self._returned()
         for number in range(_ROUNDS):
             if self.settings.switch:
                 self._rehoused(last=number == _ROUNDS - 1)
@@ -229,6 +229,16 @@ class BatchRun:
                 some = some.some(~good)
             if len(some):
                 self._move(some, self._final(fleet.model.plain))
+
+    def _returned(self) -> None:
+        """Move robots that had to stay in a poor chart to where it is good now."""
+        for fleet in [fleet for fleet in self.fleets if fleet.watch is None and len(fleet)]:
+            for target in [other for other in self.fleets if other.watch is not None]:
+                some = fleet.travellers(np.flatnonzero(fleet.running))
+                good = self._good(target, some)
+                if good.any():
+                    self._move(fleet.take(np.flatnonzero(fleet.running)[good]), target)
+                    self.switches += int(good.sum())
 
     def _stuck(self, some: Travellers) -> NDArray[np.bool_]:
         """Which robots have left several charts without getting on."""

@@ -90,7 +90,12 @@ class Integration:
         if self.settings.switch and np.isfinite(q_dot).all():
             better = self._better(chart, state.q, t0)
             motion = motion if better is chart else self._motion(better)
-        return motion, motion.start(t0, state.q, q_dot, 0.0)
+        y = motion.start(t0, state.q, q_dot, 0.0)
+        plain = motion.chart.plain
+        if plain is not motion.chart and not np.isfinite(motion.rate(t0, y)).all():
+            motion = self._motion(plain)
+            y = motion.start(t0, state.q, q_dot, 0.0)
+        return motion, y
 
     def _motion(self, chart: Model) -> Motion:
         return Motion(
@@ -243,6 +248,9 @@ class Integration:
             if better is not motion.chart and self._failed < _RETRIES:
                 self._failed += 1
                 return self._in_chart(run, better, t1, None)
+        plain = motion.chart.plain
+        if plain is not motion.chart and motion.refused is not Outcome.NOT_FINITE:  # its basis may be what is singular
+            return self._in_chart(run, plain, t1, None)
         run.outcome, run.note = self._watch.stuck(motion, t, y, message)
         return None
 

@@ -56,6 +56,7 @@ class Motion:
         self.nq, self.nv = len(chart.coordinates), len(chart.independent)
         self.refused: Outcome | None = None
         self.closing = False
+        self._free = np.setdiff1d(np.arange(self.nq), chart.independent_columns)
         self._scale, self._tolerances = scale, tolerances
         self._forward: NativeAttempts | None = None
         self._side = 0.0  # sign of |B| where it began
@@ -89,8 +90,7 @@ class Motion:
 
     def closed(self, t: float, y: FloatArray) -> FloatArray:
         """y with its loops closed, the independent coordinates held; y itself where Newton does not get there."""
-        free = np.setdiff1d(np.arange(self.nq), self.chart.independent_columns)
-        closed = close_loops(self.chart, y[: self.nq], free, t)
+        closed = close_loops(self.chart, y[: self.nq], self._free, t)
         return np.concatenate([closed.q, y[self.nq :]]) if closed.converged else y
 
     def jacobian(self, t: float, y: FloatArray) -> FloatArray:
