@@ -12,7 +12,8 @@ from nullbody.errors import InputError
 from nullbody.expr import Graph, cos, sin
 from nullbody.expr.tape import Tape
 from nullbody.kernels import Lanes, March, Program
-from nullbody.kernels.march import BLOCK
+from nullbody.kernels import compile as compile_module
+from nullbody.kernels.number import BLOCK, Number
 
 INPUTS = (("y", 2), ("t", 1), ("k", 1))
 
@@ -264,6 +265,16 @@ def test_the_last_lanes_repeat_the_last_state() -> None:
     assert (lanes.inputs[1, :2] == y[8][:, None]).all()
     march.fixed(lanes, 1.0, 0.1, 10, 1)
     assert (lanes.inputs[1] == lanes.inputs[1, :, :1]).all()
+
+
+@pytest.mark.parametrize("lanes", [2, 4])
+def test_every_width_of_registers_gives_the_same(lanes: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole, _, _ = _started(_march(), 11)
+    _march().adaptive(whole, 2.0, (1e-8, 1e-10), 1000, 1e-14, 1)
+    monkeypatch.setattr(compile_module, "_vector", lambda bits: Number(lanes, bits))
+    other, _, _ = _started(_march(), 11)
+    _march().adaptive(other, 2.0, (1e-8, 1e-10), 1000, 1e-14, 1)
+    assert np.array_equal(whole.inputs, other.inputs)
 
 
 def test_programs_must_fit() -> None:

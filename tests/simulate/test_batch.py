@@ -203,6 +203,21 @@ def test_independent_coordinates_change_where_they_become_poor() -> None:
     np.testing.assert_allclose(fixed.q[:, 0], wanted.q, rtol=0, atol=1e-3)
 
 
+def test_robots_with_their_own_parameters_change_coordinates_too() -> None:
+    """Robots of different masses fall until other coordinates are needed."""
+    made = robot()
+    home = nullbody.assemble(made, {"s1": 0.6, "s2": 0.58, "s3": 0.63})
+    masses = np.linspace(0.5, 2.0, 9)
+    v = np.random.default_rng(2).normal(size=(9, 3)) * 0.2
+    found = simulate_batch(made, (np.tile(home.q, (9, 1)), v), 0.4, parameters={"M": masses}, rtol=1e-9)
+    assert found.statistics.switches > 0
+    assert found.completed.any()
+    for k in np.flatnonzero(found.completed)[::3]:
+        heavy = made.replace(M=masses[k])
+        wanted = _one(heavy, home.q, v[k], 0.4)
+        np.testing.assert_allclose(found.q[-1, k], wanted.q[-1], rtol=0, atol=1e-5)
+
+
 def test_robots_that_meet_a_singularity_end_by_name_and_the_others_go_on() -> None:
     """Robots that fall, legs and platform turning over: most meet a configuration in which A loses rank."""
     made = model("three_prs")

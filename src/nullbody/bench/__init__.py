@@ -1,4 +1,7 @@
-"""Layer 9: the null space measured against the methods of the literature and against other tools."""
+"""Layer 9: what is measured against other tools.
+
+Here the null space, against the methods of the literature too; in `speed` models: derived, built, evaluated, simulated.
+"""
 
 from nullbody.bench.benchmark import bench_null_space
 from nullbody.bench.result import Benchmark

@@ -72,17 +72,21 @@ def closed_by_newton(call: Call, q: FloatArray) -> Assemblies:
     for _ in range(NEWTON_STEPS):
         if not len(active):
             break
-        change, spread, doubt = call("closing", ("correction", "spread", "doubt"), q[active], active)
+        here = q if len(active) == states else q[active]
+        change, spread, doubt = call("closing", ("correction", "spread", "doubt"), here, active)
         length = np.abs(change).max(axis=1, initial=0.0)
         singular = singular_kinematics(limits, spread, doubt) | ~np.isfinite(length)
         outcome[active[singular]] = Assembled.SINGULAR
-        going = active[~singular]
-        shorter = _LONGEST_STEP / np.maximum(length[~singular], _LONGEST_STEP)
-        q[going] += change[~singular] * shorter[:, None]
-        steps[going] += 1
-        settled = length[~singular] <= _SETTLED
-        outcome[going[settled]] = Assembled.CLOSED
-        active = going[~settled]
+        if singular.any():
+            going = ~singular
+            active, change, length, here = active[going], change[going], length[going], here[going]
+        longest = length > _LONGEST_STEP
+        change[longest] *= _LONGEST_STEP / length[longest, None]
+        q[active] = np.add(here, change, out=change)
+        steps[active] += 1
+        settled = length <= _SETTLED
+        outcome[active[settled]] = Assembled.CLOSED
+        active = active[~settled]
     residual = _judge(call, q, outcome)
     q[outcome != Assembled.CLOSED] = np.nan
     for array in (q, outcome, residual, steps):

@@ -160,9 +160,9 @@ class BatchRun:
             if self.settings.projection:
                 fleet.polish(end)
             energy, gaps = fleet.measured()
-            here = fleet.robots
-            self.energy_drift[here] = np.fmax(self.energy_drift[here], np.abs(energy - self._energy[here]))
-            self.residual[here] = np.fmax(self.residual[here], np.where(fleet.running, gaps, 0.0))
+            for kept, values in ((self.energy_drift, energy - self._energy[fleet.robots]), (self.residual, gaps)):
+                here = np.where(fleet.running, np.abs(values), 0.0)
+                kept[fleet.robots] = np.maximum(kept[fleet.robots], here)
 
     def _evaluated(self, interval: int, t: float) -> FloatArray:
         u = self.inputs(interval, t, *self.state())
