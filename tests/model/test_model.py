@@ -25,9 +25,10 @@ def test_names() -> None:
     assert repr(robot().replace(l=0.6)) == "<Model of 'three_prs', v = rates of s1, s2, s3, l=0.6>"
 
 
-def test_build_takes_equations_only() -> None:
-    with pytest.raises(InputError, match=r"Equations from derive\(mechanism\), not Mechanism"):
-        build(catalog.three_prs())  # type: ignore[arg-type]
+def test_build_takes_equations_or_a_mechanism() -> None:
+    assert build(catalog.three_prs()).labels == robot().labels
+    with pytest.raises(InputError, match=r"Equations from derive\(mechanism\), or a Mechanism, not str"):
+        build("three_prs")  # type: ignore[arg-type]
 
 
 def test_build_with_parameters_equals_replace() -> None:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -314,6 +315,36 @@ def test_progress_runs_over_the_time_of_the_robots(monkeypatch: pytest.MonkeyPat
     assert shown == sorted(shown)
     assert shown[-1] == 0.2
     assert len(shown) >= 4
+
+
+@pytest.mark.parametrize("to_file", [False, True])
+def test_a_robot_goes_on_alone(to_file: bool, tmp_path: Path) -> None:
+    made, (q, v) = robot(), starts()
+    masses = {"M": np.linspace(0.5, 3.0, 9)}
+    options = {"to": tmp_path / "run.nc"} if to_file else {}
+    found = simulate_batch(made, (q, v), TIMES, parameters=masses, rtol=1e-10, **options)
+    heavy, state = found.alone(5)
+    assert heavy.parameters["M"] == masses["M"][5]
+    assert state.t == TIMES[-1]
+    on = nullbody.simulate(heavy, state, 0.3)
+    np.testing.assert_allclose(on.q[-1], _one(heavy, q[5], v[5], 0.3).q[-1], rtol=0, atol=1e-7)
+    assert np.array_equal(found["s1"], found.q[:, :, made.coordinates.index("s1")])
+    assert np.array_equal(found["s3'"], found.v[:, :, 2])
+    with pytest.raises(UnknownName, match="did you mean 's1'"):
+        found["s11"]
+    with pytest.raises(InputError, match="there are robots 0 to 8, not 9"):
+        found.alone(9)
+
+
+def test_a_robot_that_has_ended_goes_on_alone() -> None:
+    made = robot()
+    q, v = (np.tile(a, (3, 1)) for a in (nullbody.assemble(made, {"s1": 0.6, "s2": 0.58, "s3": 0.63}).q, np.zeros(3)))
+    found = simulate_batch(made, (q, v), np.linspace(0, 1.5, 31))
+    stopped = np.flatnonzero(~found.completed)
+    assert len(stopped)
+    alone, state = found.alone(int(stopped[0]))
+    assert state.t <= found.ended[stopped[0]] < state.t + 0.05
+    assert nullbody.simulate(alone, state, state.t + 0.2, throw=False).t[-1] > found.ended[stopped[0]]
 
 
 def test_results_are_read_only() -> None:

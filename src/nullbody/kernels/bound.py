@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Mapping, Sequence
 from math import prod
 from types import MappingProxyType
@@ -45,7 +46,7 @@ class BoundKernel:
         self._places = tuple(self.inputs.values())
         self._results = tuple(self.outputs.values())
         self._function = kernel.function
-        self._at = self._source.ctypes.data, self._target.ctypes.data
+        self._from, self._to = (ctypes.c_void_p(a.ctypes.data) for a in (self._source, self._target))
 
     def __call__(self, *groups: ArrayLike) -> tuple[NDArray[np.float64], ...]:
         """Evaluate the program.
@@ -61,12 +62,12 @@ class BoundKernel:
         """
         try:
             for place, group in zip(self._places, groups, strict=False):
-                place[:] = group
+                place[...] = group
         except (TypeError, ValueError) as error:
             raise InputError(f"kernel {label(self.program)}: an input does not fit: {error}") from None
         if len(groups) > len(self._places):
             raise InputError(f"kernel {label(self.program)} takes {len(self._places)} input groups, not {len(groups)}")
-        self._function(*self._at)
+        self._function(self._from, self._to)
         return self._results
 
 

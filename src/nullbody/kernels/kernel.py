@@ -37,12 +37,19 @@ class _Buffers(threading.local):
         for _, size in program.inputs:
             views.append((source[start : start + size], (size,)))
             start += size
-        results, start = [], 0
-        for _, shape in program.outputs:
-            results.append(target[start : start + prod(shape)].reshape(shape))
-            start += prod(shape)
-        self.memory = source, target
-        self.current = views, results, source.ctypes.data, target.ctypes.data
+        self.memory = source
+        self.current = views, target, source.ctypes.data, target.ctypes.data
+
+
+def _spans(program: Program) -> tuple[tuple[Any, tuple[int, ...] | None], ...]:
+    """For every output group its place in all outputs, and the shape of a matrix."""
+    spans: list[tuple[Any, tuple[int, ...] | None]] = []
+    start = 0
+    for _, shape in program.outputs:
+        end = start + prod(shape)
+        spans.append((slice(start, end), shape if len(shape) > 1 else None) if shape else (start, None))
+        start = end
+    return tuple(spans)
 
 
 class Kernel:
@@ -67,6 +74,7 @@ class Kernel:
         self._owner = code.owner
         self.function = _SIGNATURE(code.address)
         self._buffers = _Buffers(program)
+        self._spans = _spans(program)
         self._wide = wide
         self._blocks: dict[tuple[np.dtype[Any], tuple[str, ...] | None], BlockKernel] = {}
         self._compiling = threading.Lock()
@@ -78,20 +86,21 @@ class Kernel:
             groups: for every input group a vector of its size; float64 arrays are fastest.
 
         Returns:
-            For every output group a new array of its shape.
+            For every output group an array of its shape, or a number; new ones, parts of one piece of memory.
 
         Raises:
             InputError: a group is missing, has another size, or holds no real numbers.
         """
-        views, results, source, target = self._buffers.current
+        views, target, source, place = self._buffers.current
         if len(groups) != len(views):
             raise InputError(f"kernel {label(self.program)} takes {len(views)} input groups, not {len(groups)}")
         for (view, shape), group in zip(views, groups):  # noqa: B905 - the lengths are equal
             if type(group) is not _ARRAY or group.dtype is not _FLOAT or group.shape != shape:
                 return self(*(self._vector(k, other) for k, other in enumerate(groups)))
             view[...] = group
-        self.function(source, target)
-        return tuple([result.copy() for result in results])
+        self.function(source, place)
+        results = target.copy()
+        return tuple([results[span] if shape is None else results[span].reshape(shape) for span, shape in self._spans])
 
     def bound(self) -> BoundKernel:
         """The kernel with memory of its own: a call copies the inputs that it is given, and allocates no arrays."""

@@ -53,6 +53,7 @@ class BatchFile:
     def __init__(self, path: Path, model: Model, robots: int) -> None:
         import h5netcdf
 
+        self._written = 0  # times
         self.path, self.draft = path, path.with_name(path.name + ".part")
         sizes = {"robot": robots, "coordinate": len(model.coordinates), "independent": len(model.independent)}
         try:
@@ -82,6 +83,7 @@ class BatchFile:
             self._file["t"][index] = t
             self._put("q", index, q)
             self._put("v", index, v)
+            self._written = index + 1
             self._file.flush()
         except OSError as error:
             raise self._failed(error) from error
@@ -106,7 +108,8 @@ class BatchFile:
             raise self._failed(error) from error
 
     def close(self) -> None:
-        """Put the file in its place as it is."""
+        """Put the file in its place as it is, without a time that was being written."""
+        self._file.resize_dimension("t", self._written)
         self._file.close()
         self.draft.replace(self.path)
 

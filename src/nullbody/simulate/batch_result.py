@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nullbody.errors import InputError
-from nullbody.model import Model
+from nullbody.errors import InputError, UnknownName
+from nullbody.model import Model, State
 from nullbody.simulate.outcome import Outcome
 from nullbody.typing import FloatArray
 
@@ -91,6 +92,40 @@ class BatchTrajectory:
     def counts(self) -> dict[Outcome, int]:
         """How many robots ended in each way."""
         return dict(Counter(self.outcome.tolist()).most_common())
+
+    def __getitem__(self, name: object) -> FloatArray:
+        """A coordinate of all robots (times, robots), by name; `name'` (with a prime) is an independent one's rate.
+
+        Raises:
+            UnknownName: there is no such coordinate or independent rate.
+        """
+        model = self.model
+        if name in model.coordinates:
+            return self.q[:, :, model.coordinates.index(name)]
+        rates = tuple(f"{coordinate}'" for coordinate in model.independent)
+        if name in rates:
+            return self.v[:, :, rates.index(name)]
+        raise UnknownName("coordinate or independent rate", name, (*model.coordinates, *rates))
+
+    def alone(self, robot: int) -> tuple[Model, State]:
+        """A robot by itself: the model with its parameters, and the last state that is stored of it.
+
+        `nullbody.simulate` goes on from there, also where a batch cannot.
+
+        Raises:
+            InputError: there is no such robot.
+        """
+        if isinstance(robot, bool) or not isinstance(robot, Integral) or not 0 <= robot < len(self.outcome):
+            raise InputError(f"there are robots 0 to {len(self.outcome) - 1}, not {robot!r}")
+        model = self.model
+        if self.parameters.ndim == 2 or self.parameters.tolist() != list(model.values):
+            values = self.parameters[robot] if self.parameters.ndim == 2 else self.parameters
+            model = model.replace(**dict(zip(model.parameters, values.tolist(), strict=True)))
+        with self.to_xarray() as dataset:
+            one = dataset[["q", "v"]].isel(robot=int(robot)).load()
+        last = int(np.flatnonzero(np.isfinite(one["q"].values).all(axis=1))[-1])
+        q, v = (np.array(one[name].values[last]) for name in ("q", "v"))
+        return model, model.trusted_state(q, v, float(self.t[last]))
 
     def to_xarray(self) -> xarray.Dataset:
         """q and v over (t, robot, coordinate or independent), with the outcome of every robot and units.

@@ -58,6 +58,10 @@ def _chart(model: Model) -> tuple[tuple[str, ...], ...]:
     return model.independent, model.labels, model.basis
 
 
+def _unseen(part: float) -> None:
+    """Progress of robots that have been counted already."""
+
+
 class _Part:
     """Shows the progress of one fleet as that of all."""
 
@@ -184,7 +188,8 @@ class BatchRun:
                 self._rehoused(last=number == _ROUNDS - 1)
             done, everyone = 0, max(1, self.robots)
             for fleet in self.fleets:
-                fleet.to(begin, end, _Part(show, begin, end, done / everyone, len(fleet) / everyone))
+                part = _Part(show, begin, end, done / everyone, len(fleet) / everyone)
+                fleet.to(begin, end, part if number == 0 else _unseen)
                 done += len(fleet)
             if not any(len(self._leaving(fleet)) for fleet in self.fleets):
                 return

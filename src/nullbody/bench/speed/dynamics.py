@@ -95,10 +95,12 @@ def _own(model: Model, sampled: Sample, limit: Limit) -> Iterator[Entry]:
         note = f"and {operations.trig} sines and cosines"
         given = list(zip(sampled.q, sampled.v, third, strict=True))
         raw = [partial(model.evaluate, name, *row) for row in given]
+        bound = [partial(model.bound(name), *row) for row in given]
         full = [partial(checked, x, c) for x, c in zip(sampled.states, third, strict=True)]
         same = Line("dynamics", work, "", "ours", deviation=apart, operations=count)
         native = replace(same, tool="nullbody, native", reference=True, limit=limit.seconds(count, wide=False))
         yield Entry(replace(native, note=note), native_work(kernel, rows))
+        yield Entry(replace(same, tool="nullbody, bound kernel from Python", note="model.bound"), calls_of(bound))
         yield Entry(replace(same, tool="nullbody, kernel from Python", note="model.evaluate"), calls_of(raw))
         yield Entry(replace(same, tool="nullbody, checked call from Python", note=f"model.{name}"), calls_of(full))
 

@@ -40,7 +40,7 @@ def goals(lines: Sequence[Line], curves: Iterable[Curve], growths: Iterable[Grow
         at_most("3-PRS forward dynamics, native", timing("forward dynamics, all", "nullbody, native"), 350e-9),
         Goal("times slower the fastest engine", min(ratios, default=None), 20, "times", least=True),
         at_most("per state and core, blocks of 8", timing("forward dynamics, many", "nullbody, blocks of 8"), 80e-9),
-        at_most("from a Python call", timing("forward dynamics, all", "nullbody, kernel from Python"), 1.5e-6),
+        at_most("from a Python call", timing("forward dynamics, all", "nullbody, bound kernel from Python"), 1.5e-6),
         at_most("3-PRS derive + build, cold", timing("3-PRS, from bodies", "nullbody, build(mechanism), cold"), 0.6),
         at_most("3-PRS derive + build, warm", timing("3-PRS, from bodies", "nullbody, build(mechanism), warm"), 30e-3),
         at_most(f"3 s swing to {_ERROR:.0e} in q", swing, 5e-3),
