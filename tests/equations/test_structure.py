@@ -8,7 +8,8 @@ import sys
 
 import pytest
 
-from nullbody.equations import Equations, flat, shape
+from nullbody.catalog import three_prs
+from nullbody.equations import Equations, derive, flat, shape
 from nullbody.errors import UnknownName
 from nullbody.expr import Expr, Graph
 
@@ -46,6 +47,10 @@ ROUTINES = {
     "energy": 101,
 }
 ALONE = {("forward_dynamics", "q_ddot"): 779, ("inverse_dynamics", "u"): 618, ("kinematics", "N"): 278}
+CHARTS = {  # independent and basis -> q'', forward_dynamics, u, inverse_dynamics; shown in docs/performance.md
+    (("s1", "s2", "s3"), ("s1", "s2", "s3")): (978, 1130, 771, 1036),
+    (("y", "psi", "theta"), ("y", "psi", "theta")): (674, 793, 519, 744),
+}
 SHAPES = {
     "Phi": (9,),
     "A": (9, 12),
@@ -78,6 +83,14 @@ def test_operation_counts(three_prs_equations: Equations) -> None:
     assert {name: eq.routine_operations(name).arithmetic for name in eq.routines} == ROUTINES
     assert {key: eq.routine_operations(*key).arithmetic for key in ALONE} == ALONE
     assert eq.basis == ("alpha1", "alpha2", "alpha3")
+
+
+@pytest.mark.parametrize("chart", CHARTS)
+def test_operation_counts_of_charts(chart: tuple[tuple[str, ...], tuple[str, ...]]) -> None:
+    independent, basis = chart
+    eq = derive(three_prs(), independent, basis=basis)
+    parts = (("forward_dynamics", "q_ddot"), ("forward_dynamics",), ("inverse_dynamics", "u"), ("inverse_dynamics",))
+    assert tuple(eq.routine_operations(*part).arithmetic for part in parts) == CHARTS[chart]
 
 
 def test_shared_nodes_count_once(three_prs_equations: Equations) -> None:

@@ -16,6 +16,7 @@ import xarray
 
 from nullbody import BatchTrajectory, simulate_batch
 from nullbody.errors import OutputError
+from nullbody.simulate.batch_file import BatchFile
 from tests.robot import robot
 from tests.simulate.test_batch import TIMES, starts
 
@@ -82,6 +83,45 @@ def test_an_interrupt_leaves_a_file_that_says_so(tmp_path: Path) -> None:
     with xarray.open_dataset(path) as dataset:
         assert dataset.attrs["complete"] == 0
         assert 1 <= dataset.sizes["t"] < 2001
+        assert np.isfinite(dataset["q"].values).all()
+
+
+def test_an_interrupt_amid_a_time_leaves_that_time_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    put = BatchFile._put
+
+    def interrupted(self: BatchFile, name: str, index: int, values: np.ndarray) -> None:
+        if (name, index) == ("v", 3):
+            raise KeyboardInterrupt
+        put(self, name, index, values)
+
+    monkeypatch.setattr(BatchFile, "_put", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        simulate_batch(robot(), starts(), TIMES, to=tmp_path / "motions.nc")
+    with xarray.open_dataset(tmp_path / "motions.nc") as dataset:
+        assert dataset["t"].values.tolist() == TIMES[:3].tolist()
+        assert np.isfinite(dataset["v"].values).all()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no limits on files there")
+def test_a_full_disk_is_named_and_what_was_written_is_kept(tmp_path: Path) -> None:
+    code = (
+        "import resource\nfrom tests.simulate.test_batch_file import *\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (5_000_000, 5_000_000))\n"
+        "try:\n"
+        "    times = np.linspace(0, 0.01, 3000)\n"
+        f"    simulate_batch(robot(), starts(), times, step=1e-3, to={str(tmp_path / 'run.nc')!r})\n"
+        "except OutputError as error:\n    print(error)"
+    )
+    root = Path(__file__).parents[2]
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=root, capture_output=True, text=True, timeout=60, check=True
+    )
+    assert "run.nc cannot be written: File too large. Choose a folder" in done.stdout
+    assert not done.stderr
+    assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]
+    with xarray.open_dataset(tmp_path / "run.nc") as dataset:
+        assert dataset.attrs["complete"] == 0
+        assert 10 < dataset.sizes["t"] < 3000
         assert np.isfinite(dataset["q"].values).all()
 
 

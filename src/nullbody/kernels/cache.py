@@ -1,8 +1,8 @@
 """The cache on disk: object files, and what models are made from.
 
 Folder: the environment variable NULLBODY_CACHE, else nullbody in the user's cache folder; NULLBODY_CACHE=off: no cache.
-A file is a checksum and an object; it is written under another name and renamed, so that it is there completely or
-not at all, also with several processes. Native code is only loaded from what this user alone can write.
+A file is an object, and before it a checksum of its key and of itself, so that no object is taken for another; it is
+written under another name and renamed, so that it is there completely or not at all, also with several processes. Native code is only loaded from what this user alone can write.
 
 A cache saves time and nothing else: where it cannot be read or written (a read-only folder, a full disk, no home) there
 is a warning, and the code is compiled. What could be somebody else's code, and settings that make no sense, are errors.
@@ -33,7 +33,7 @@ from nullbody.kernels.cache_files import (
 
 __all__ = ["CacheInfo", "cache_folder", "cache_info", "clear_cache", "load", "store"]
 
-_MAGIC = b"nullbody object 1\n"
+_MAGIC = b"nullbody object 2\n"
 _DIGEST = 32
 _ADVICE = "set NULLBODY_CACHE to a folder that you can write, or NULLBODY_CACHE=off to compile every time"
 
@@ -93,7 +93,7 @@ def _usable_folder() -> Path | None:
 
 
 def load(key: str) -> bytes | None:
-    """The object under a key, or None where there is none, it is damaged, or (with a warning) it cannot be read.
+    """The object under a key, or None where there is none, it is damaged or another's, or (with a warning) it cannot be read.
 
     Raises:
         CacheError: the folder is a file, folder or file belong to another user or others can write them, or
@@ -118,7 +118,7 @@ def load(key: str) -> bytes | None:
         return None
     start = len(_MAGIC) + _DIGEST
     body = content[start:]
-    if content[:start] != _MAGIC + _checksum(body):
+    if content[:start] != _MAGIC + _checksum(key, body):
         return None
     with suppress(OSError):  # it was used now: see `trim`
         os.utime(path)
@@ -156,7 +156,7 @@ def _write(folder: Path, key: str, body: bytes) -> None:
     temporary = Path(name)
     try:
         with os.fdopen(handle, "wb") as stream:
-            stream.write(_MAGIC + _checksum(body) + body)
+            stream.write(_MAGIC + _checksum(key, body) + body)
         temporary.replace(folder / object_file(key))
     except BaseException:
         temporary.unlink(missing_ok=True)
@@ -211,8 +211,8 @@ def _report(error: OSError, what: str) -> None:
     warnings.warn(f"{message}. The code is compiled, and will be again", RuntimeWarning, stacklevel=3)
 
 
-def _checksum(body: bytes) -> bytes:
-    return blake2b(body, digest_size=_DIGEST).digest()
+def _checksum(key: str, body: bytes) -> bytes:
+    return blake2b(body, digest_size=_DIGEST, key=key.encode()).digest()
 
 
 def _distrust(path: Path, status: os.stat_result) -> None:

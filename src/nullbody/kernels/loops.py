@@ -79,10 +79,6 @@ class Loops(Lines):
         """Lane by lane a and b."""
         return self.emit(f"and {LANES.truth} {a}, {b}")
 
-    def either(self, a: str, b: str) -> str:
-        """Lane by lane a or b."""
-        return self.emit(f"or {LANES.truth} {a}, {b}")
-
     def untrue(self, a: str) -> str:
         """Lane by lane not a."""
         return self.emit(f"xor {LANES.truth} {a}, {LANES._all('true', 'i1')}")

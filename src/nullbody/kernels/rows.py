@@ -167,9 +167,34 @@ def _group(way: str, element: str) -> str:
   %{way}.k.next = add i64 %{way}.k, 1"""
 
 
+def _results(wide: Number) -> str:
+    """The output groups of one block."""
+    element, size = wide.element, wide.bits // 8
+    arguments = "i64 %out.stride, i64 %out.size, i64 %states, i64 %block, ptr %out.lanes"
+    return f"""out:
+  %out.k = phi i64 [0, %work], [%out.k.next, %out.end]
+  %out.column = phi i64 [0, %work], [%out.column.next, %out.end]
+  %out.more = icmp slt i64 %out.k, %out.count
+  br i1 %out.more, label %out.group, label %done
+out.group:
+{_group("out", element)}
+  %single = icmp eq i64 %out.stride, {size}
+  %plain = and i1 %single, %full
+  br i1 %plain, label %out.copy, label %out.scatter
+out.copy:
+  %values = load {wide.text}, ptr %out.lanes, align {size}
+  %out.to = getelementptr {element}, ptr %out.array, i64 %first
+  store {wide.text} %values, ptr %out.to, align {size}
+  br label %out.end
+out.scatter:
+  call void @nbt.scatter(ptr %out.array, {arguments})
+  br label %out.end
+out.end:
+  br label %out"""
+
+
 def _driver(wide: Number) -> str:
-    arguments = "i64 %{0}.stride, i64 %{0}.size, i64 %states, i64 %block, ptr %{0}.lanes"
-    element = wide.element
+    arguments = "i64 %in.stride, i64 %in.size, i64 %states, i64 %block, ptr %in.lanes"
     head = "ptr %function, ptr %job, ptr %in.memory, ptr %out.memory, i64 %begin, i64 %end"
     return f"""define void @{rows_name(wide)}({head}) nounwind {{
 start:
@@ -195,40 +220,21 @@ in:
   %in.more = icmp slt i64 %in.k, %in.count
   br i1 %in.more, label %in.group, label %work
 in.group:
-{_group("in", element)}
+{_group("in", wide.element)}
   %shared = icmp eq i64 %in.stride, 0
   br i1 %shared, label %in.share, label %in.gather
 in.share:
   call void @nbt.share(ptr %in.array, i64 %in.size, ptr %in.lanes)
   br label %in.end
 in.gather:
-  call void @nbt.gather(ptr %in.array, {arguments.format("in")})
+  call void @nbt.gather(ptr %in.array, {arguments})
   br label %in.end
 in.end:
   br label %in
 work:
   call void %function(ptr %in.memory, ptr %out.memory, i64 1)
   br label %out
-out:
-  %out.k = phi i64 [0, %work], [%out.k.next, %out.end]
-  %out.column = phi i64 [0, %work], [%out.column.next, %out.end]
-  %out.more = icmp slt i64 %out.k, %out.count
-  br i1 %out.more, label %out.group, label %done
-out.group:
-{_group("out", element)}
-  %single = icmp eq i64 %out.stride, {wide.bits // 8}
-  %plain = and i1 %single, %full
-  br i1 %plain, label %out.copy, label %out.scatter
-out.copy:
-  %values = load {wide.text}, ptr %out.lanes, align {wide.bits // 8}
-  %out.to = getelementptr {element}, ptr %out.array, i64 %first
-  store {wide.text} %values, ptr %out.to, align {wide.bits // 8}
-  br label %out.end
-out.scatter:
-  call void @nbt.scatter(ptr %out.array, {arguments.format("out")})
-  br label %out.end
-out.end:
-  br label %out
+{_results(wide)}
 done:
   %block.next = add i64 %block, 1
   br label %blocks

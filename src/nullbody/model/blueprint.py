@@ -81,7 +81,7 @@ def blueprint(mechanism: Mechanism, independent: Names, rows: Names, basis: Name
 
 
 def _key(mechanism: Mechanism, *asked: Names) -> str | None:
-    """The key of a blueprint; None where a part of the mechanism is somebody else's."""
+    """The key of a blueprint; None where a part of the mechanism, or a name, is of somebody else's type."""
     if not all(_readable(names) for names in asked):
         return None
     digest = fingerprint(mechanism)
@@ -93,8 +93,11 @@ def _key(mechanism: Mechanism, *asked: Names) -> str | None:
 
 
 def _readable(names: object) -> bool:
-    """Whether these are names, or nothing; `derive` says what is wrong otherwise."""
-    return names is None or (isinstance(names, list | tuple) and all(isinstance(name, str) for name in names))
+    """Whether these are names as they can be kept, or nothing; `derive` says what is wrong with what is no name.
+
+    A kind of its own, such as numpy.str_, would come back from the cache as bytes.
+    """
+    return names is None or (isinstance(names, list | tuple) and all(type(name) is str for name in names))
 
 
 @cache

@@ -57,7 +57,9 @@ def simulate_batch(
     """The motions of many robots of one model: q' = N v + beta, v' = Mr^-1 (Br u - hr), 8 at a time on every core.
 
     A robot that comes where the independent coordinates are poor goes on in others, together with all that do; results
-    and inputs keep those of the model. One that ends before the last time is NaN from then on; `outcome` says why.
+    and inputs keep those of the model. Which others depends on the robots that came there first: such a robot agrees
+    with one simulated alone to the tolerance. One that ends before the last time is NaN from then on; `outcome` says
+    why: configuration singularities end it, while `simulate` passes them where the motion is smooth.
 
     Args:
         model: the model.
@@ -71,10 +73,10 @@ def simulate_batch(
             number fits between results [s]; adaptive ones by default (Dormand-Prince 5(4), every robot its own).
         rtol: relative tolerance of the local error of adaptive steps.
         options: `atol` (0.01 rtol), `projection` (True) of the loops after every step, `switch` (True) independent
-            coordinates where they become poor, `parameters` of all robots (np,)
-            or each (robots, np) or by name, `hold` [s], `t0` start of a single end time [s], `max_steps` of a robot
-            (100 000), `to` a file .nc that takes the results instead of memory, `threads` (all cores), `progress` bar
-            (by default on a terminal when the run takes longer than two seconds).
+            coordinates where they become poor, `parameters` of all robots (np,), of each (robots, np) or by name,
+            `hold` [s], `t0` start of a single end time [s], `max_steps` of a robot (100 000), `to` a file .nc for
+            the results instead of memory, `threads` (all cores), `progress` bar (by default on a terminal when the run
+            takes longer than two seconds).
 
     Returns:
         The results, an outcome for every robot, and how well energy and loops were kept.
@@ -98,10 +100,10 @@ def simulate_batch(
     run = BatchRun(model, settings, inputs, parameters)
     try:
         _marched(run, results, (q, v), chosen["progress"])
+        return results.trajectory(run, began)
     except BaseException:
         results.give_up()
         raise
-    return results.trajectory(run, began)
 
 
 def _marched(run: BatchRun, results: _Results, start: tuple[FloatArray, FloatArray], progress: bool | None) -> None:

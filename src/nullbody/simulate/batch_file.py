@@ -8,6 +8,8 @@ there is the draft only.
 from __future__ import annotations
 
 import os
+import shutil
+from errno import ENOSPC
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +24,7 @@ from nullbody.typing import FloatArray
 __all__ = ["BatchFile", "checked_path"]
 
 _CHUNK = 2**20  # bytes of one chunk of the file
+_SLACK = 4 * _CHUNK  # chunks that are not full, and what HDF5 writes besides
 _ADVICE = "Choose a folder that you can write and that has space"
 
 
@@ -69,6 +72,7 @@ class BatchFile:
                 )
             self._file.attrs["complete"] = 0
             self._file.attrs["mechanism"] = model.mechanism.name
+            self._file.flush()
         except OSError as error:
             raise self._failed(error) from error
 
@@ -79,6 +83,7 @@ class BatchFile:
             OutputError: the system refused to write.
         """
         try:
+            self._reserve(q.nbytes + v.nbytes)
             self._file.resize_dimension("t", index + 1)
             self._file["t"][index] = t
             self._put("q", index, q)
@@ -96,6 +101,7 @@ class BatchFile:
         """
         variables, coordinates, attributes = contents(trajectory)
         try:
+            self._reserve(sum(2 * values.nbytes for _, values, _ in variables.values()))
             if "parameter" in coordinates:
                 self._file.dimensions["parameter"] = len(coordinates["parameter"][1])
             for name, (dimensions, values, attrs) in {**coordinates, **variables}.items():
@@ -113,6 +119,22 @@ class BatchFile:
         self._file.close()
         self.draft.replace(self.path)
 
+    def _reserve(self, size: int) -> None:
+        """See to it that there is room on the disk before HDF5 writes: it does not survive a disk that is full.
+
+        Raises:
+            OSError: there is no such room.
+        """
+        if hasattr(os, "posix_fallocate"):
+            with self.draft.open("r+b") as stream:
+                there = os.fstat(stream.fileno()).st_size
+                try:
+                    os.posix_fallocate(stream.fileno(), there, size + _SLACK)
+                finally:
+                    os.ftruncate(stream.fileno(), there)
+        elif shutil.disk_usage(self.draft.parent).free < size + _SLACK:
+            raise OSError(ENOSPC, os.strerror(ENOSPC))
+
     def _put(self, name: str, index: int, values: FloatArray) -> None:
         if values.size:
             self._file[name][index] = values
@@ -127,5 +149,4 @@ class BatchFile:
             variable.attrs[key] = value
 
     def _failed(self, error: OSError) -> OutputError:
-        self.draft.unlink(missing_ok=True)
         return OutputError(f"{self.path} cannot be written: {error.strerror or error}. {_ADVICE}")
