@@ -7,11 +7,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from nullbody import assemble, build
+from nullbody import MechanismBuilder, assemble, build
 from nullbody.catalog import MODELS, n_four_bar, rolling_disc, stewart_platform, three_prs, three_rps
 from nullbody.equations import Equations, derive
 from nullbody.errors import InputError, SingularityError, UnknownName
-from nullbody.mechanism import Mechanism
+from nullbody.mechanism import Mechanism, Placement, Rotation
 from tests.oracles.sample import evaluate
 
 EPS = 2.2e-16
@@ -101,6 +101,33 @@ def test_a_state_that_is_singular_in_itself_is_refused_in_any_basis() -> None:
     assert model.basis != model.independent
     with pytest.raises(SingularityError, match="the independent coordinates s1, s2, s3 are singular here"):
         model.forward_dynamics(model.trusted_state(one, v))
+
+
+def _bar_on_cart() -> Mechanism:
+    """A four-bar on a cart; a torque on its rocker does nothing where crank and coupler are in line."""
+    b = MechanismBuilder("bar_on_cart", gravity=(0, -9.81, 0), own="planar")
+    b.body("cart", mass=2)
+    b.rod("crank", 0.3, 0.2)
+    b.rod("coupler", 0.7, 0.5)
+    b.rod("rocker", 0.6, 0.4)
+    b.prismatic("x", "ground", "cart", at=Placement(rotations=(Rotation("z", degrees=30),)), axis="x")
+    b.revolute("q1", "cart", "crank")
+    b.revolute("q3", "cart", "rocker", at=(0.6, 0, 0))
+    b.revolute("pin1", "crank", "coupler", at=(0.2, 0, 0), coordinates="body")
+    b.revolute("pin2", "coupler", "rocker", at=(0.5, 0, 0), on=(0.4, 0, 0), loop=True)
+    b.actuator("push", "x")
+    b.actuator("torque", "q3")
+    b.home(q1=1.3, q3=1.8, coupler_x=0.05, coupler_y=0.2, coupler_alpha=0.8)
+    return b.build()
+
+
+def test_generalized_forces_do_not_suffer_where_the_inputs_are_singular() -> None:
+    """push has the value of the force along x, but its form divides by |Br|: 0/0 in the dead centre."""
+    model = build(derive(_bar_on_cart(), ("x", "q1"), basis=("coupler_x", "coupler_y")))
+    dead = np.arccos((0.7**2 + 0.6**2 - 0.4**2) / (2 * 0.7 * 0.6))
+    state = assemble(model, {"x": 0.1, "q1": dead}, v=(1.0, 2.0))
+    found, expected = (m.generalized_forces(state, (1.0, 2.0)) for m in (model, model.plain))
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
 
 
 def test_a_basis_that_is_none_is_refused_by_name() -> None:

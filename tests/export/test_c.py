@@ -250,6 +250,31 @@ def test_awkward_names_stay_apart(models: Mapping[str, Model], folder: Path) -> 
     assert re.findall(r"    double (\w+); /\*", text) == ["int_", "int__", "m"]
 
 
+@pytest.mark.parametrize("options", [["-std=c99", "-pedantic"], ["-std=gnu99"]])
+def test_parameters_named_as_macros(folder: Path, options: list[str]) -> None:
+    names = ("M_E", "M_NQ", "M_H", "M_LOSS", "DBL_MAX", "FLT_EPSILON", "EOF", "stdin", "HUGE_VALF", "m_params", "p", "q")
+    mechanism = Mechanism(
+        "m",
+        (Body("cart", " + ".join(names)),),
+        (Prismatic("rail", GROUND, "cart", ("NQ",), axis="x"),),
+        actuators=(Actuator("stdout", "NQ"),),
+        parameters=tuple(Parameter(name, 1.0 + k, "kg") for k, name in enumerate(names)),
+    )
+    done = ran(write_c(nullbody.build(mechanism), folder), *options)
+    assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.parametrize(("name", "prefix"), [("math", "math_"), ("test", "test_"), ("Con", "Con_")])
+def test_files_are_not_called_as_headers_targets_or_devices(folder: Path, name: str, prefix: str) -> None:
+    model = nullbody.build(replace(two_bodies(), name=name))
+    written = write_c(model, folder)
+    assert written.prefix == prefix
+    done = ran(written, "-I", str(folder))
+    assert done.returncode == 0, done.stdout
+    with pytest.raises(InputError, match=f"files cannot be called '{name}'.*use '{prefix}'"):
+        write_c(model, folder, prefix=name)
+
+
 def test_float_code_has_no_double(models: Mapping[str, Model], folder: Path) -> None:
     """-Wdouble-promotion and -Wconversion are errors above; here the text: constants, types, functions."""
     text = write_c(models["three_prs"], folder, real="float").source.read_text(encoding="utf-8")

@@ -161,6 +161,39 @@ def test_a_stored_state_gives_the_same_bits_again(slave: Slave) -> None:
     slave.unit.freeFMUState(again)
 
 
+@pytest.mark.parametrize("name", ["chart", "mode"])
+def test_bytes_that_are_no_state_are_refused(slave: Slave, name: str) -> None:
+    """Both are places in tables: out of range they would end the host."""
+    slave.start()
+    stored = slave.unit.getFMUState()
+    bytes_ = bytearray(slave.unit.serializeFMUState(stored))
+    good = bytes(bytes_)
+    end = len(bytes_) - len(bytes_) % 8
+    tail = np.frombuffer(good[:end], np.int32)[-6:]  # chart, tolerance_given, guess_given, closed, mode, filler
+    place = end - 24 + 4 * {"chart": 0, "mode": 4}[name]
+    assert tail.tolist()[:5] == [0, 0, 0, 1, 2]
+    bytes_[place : place + 4] = np.int32(1000000).tobytes()
+    with pytest.raises(fmi1.FMICallException):
+        slave.unit.deSerializeFMUstate(bytes(bytes_))
+    assert slave.heard == ["these bytes are no stored state of this unit"]
+    slave.unit.freeFMUState(stored)
+
+
+def test_rates_before_the_simulation_are_those_after_it(slave: Slave) -> None:
+    """Inputs count, and parameters that follow are settled, also while a host initializes."""
+    size = len(slave.vr_states)
+    slave.unit.setupExperiment(startTime=0.0)
+    slave.unit.enterInitializationMode()
+    slave.unit.setReal([slave.vr["F1"], slave.vr["M"]], [5.0, 3.0])
+    before, after = (np.zeros(size) for _ in range(2))
+    pointer = fmi2.POINTER(fmi2.fmi2Real)
+    slave.unit.fmi2GetDerivatives(slave.unit.component, before.ctypes.data_as(pointer), size)
+    slave.unit.exitInitializationMode()
+    slave.unit.fmi2GetDerivatives(slave.unit.component, after.ctypes.data_as(pointer), size)
+    np.testing.assert_array_equal(before, after)
+    assert np.ptp(after) > 0
+
+
 def test_reset_begins_anew(slave: Slave) -> None:
     slave.start()
     first = slave.values()

@@ -83,3 +83,12 @@ def test_mode_and_link_are_kept_as_the_user_has_them(trajectory: Trajectory, fol
     (folder / "plain").write_text("")
     assert (folder / "link.csv").is_symlink()
     assert stat.S_IMODE((folder / "run.csv").stat().st_mode) == stat.S_IMODE((folder / "plain").stat().st_mode)
+
+
+def test_a_name_that_is_too_long_is_refused(folder: Path) -> None:
+    with (
+        pytest.raises(OutputError, match="cannot be written: File name too long"),
+        replacement(folder / f"{'a' * 300}.csv", ".csv") as draft,
+    ):
+        draft.write_text("x")
+    assert not list(folder.iterdir())

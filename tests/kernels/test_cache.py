@@ -66,6 +66,17 @@ def test_a_damaged_file_is_rebuilt(damage: str, program: Program, cache: Path) -
     assert _origin(program) == "cache"
 
 
+def test_an_object_under_another_key_is_not_loaded(program: Program, random_program, cache: Path) -> None:
+    _origin(program)
+    (path,) = cache.iterdir()
+    other = random_program(8)
+    _origin(other)
+    (second,) = set(cache.iterdir()) - {path}
+    path.write_bytes(second.read_bytes())
+    assert _origin(program) == "compiled"
+    assert _origin(other) == "cache"
+
+
 def test_off_means_off(program: Program, cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NULLBODY_CACHE", "off")
     assert [_origin(program), _origin(program)] == ["compiled", "compiled"]

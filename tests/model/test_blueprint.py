@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -68,6 +71,48 @@ def test_an_edit_of_the_package_makes_entries_useless(derivations: list[str], mo
     monkeypatch.setattr(module, "_sources", lambda: "another version")
     build(n_four_bar())
     assert len(derivations) == 2
+
+
+def test_an_edit_that_keeps_size_and_time_is_seen(tmp_path: Path) -> None:
+    file = tmp_path / "module.py"
+    file.write_text("EPS = 1e-9")
+    os.utime(file, (0, 0))
+    before = module._stamp(file)
+    while file.stat().st_ctime_ns == int(before.split()[-1]):  # the clock of the file system has ticks
+        file.write_text("EPS = 1e-8")
+        os.utime(file, (0, 0))
+    assert file.stat().st_size == 10
+    assert module._stamp(file) != before
+
+
+def test_the_tolerances_are_among_the_sources(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[str] = []
+    monkeypatch.setattr(module, "_stamp", lambda path: seen.append(path.name) or path.name)
+    module._sources.__wrapped__()
+    assert {"tolerances.py", "derive.py", "blueprint.py"} <= set(seen)
+
+
+def test_sources_are_those_of_the_import() -> None:
+    program = "import nullbody.model.blueprint as b; print(b._sources.cache_info().currsize)"
+    assert subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout == "1\n"
+
+
+def test_names_of_another_type_come_back_as_names() -> None:
+    chosen = [np.str_("y"), np.str_("psi"), np.str_("theta")]
+    for _ in range(2):
+        assert build(three_prs(), independent=chosen).independent == ("y", "psi", "theta")
+
+
+def test_an_entry_of_another_key_is_not_read(derivations: list[str], folder: Path) -> None:
+    build(n_four_bar())
+    build(three_prs())
+    files = sorted(folder.iterdir())
+    content = [file.read_bytes() for file in files]
+    for file, other in zip(files, (*content[1:], content[0]), strict=True):
+        file.write_bytes(other)
+    assert build(n_four_bar()).independent == ("theta0",)
+    assert build(three_prs()).independent == ("s1", "s2", "s3")
+    assert len(derivations) == 4
 
 
 def test_without_a_cache_everything_is_derived(derivations: list[str], monkeypatch: pytest.MonkeyPatch) -> None:

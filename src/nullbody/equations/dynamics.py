@@ -42,7 +42,7 @@ from nullbody.nullspace.steps import sparse_rows
 
 __all__ = ["Dynamics"]
 
-#: The largest P that is solved by minors; larger ones by pivots, which may vanish where P is regular. `doubt` sees that.
+#: The largest P solved by minors, larger ones by pivots, which may vanish where P is regular. `doubt` sees that.
 _SMALL = 3
 
 
@@ -213,11 +213,16 @@ class Dynamics:
         w_dot = self.in_basis(symbols.group("v_dot"), self.gamma)
         Qr = self.forces(acceleration(N, w_dot, self.gamma))
         Br = input_matrix(N, symbols.input_columns)
-        u = required_inputs(Br, Qr)
         Mr = self.reduced.Mr
         loss = dot(gross(M, N), [1 / Mr[j][j] for j in range(len(Mr))])
-        if self.transfer is not None:
-            Qr = self.transfer.solve_transposed(Qr)
-            columns = [self.transfer.solve_transposed([row[k] for row in Br]) for k in range(len(symbols.u))]
-            Br = [[column[i] for column in columns] for i in range(len(Qr))]
-        return Routine(("q", "v", "v_dot"), {"Qr": Qr, "u": u, "Br": Br, **self.check, "loss": loss})
+        measures = self.check
+        found = self._along_v(Qr, Br)  # written before u, which divides by |Br|: forms that are in use by then stay
+        u = required_inputs(Br, Qr)
+        return Routine(("q", "v", "v_dot"), {"Qr": found[0], "u": u, "Br": found[1], **measures, "loss": loss})
+
+    def _along_v(self, Qr: list[Any], Br: list[list[Any]]) -> tuple[list[Any], list[list[Any]]]:
+        """P^-T Qr and P^-T Br."""
+        if self.transfer is None:
+            return Qr, Br
+        columns = [self.transfer.solve_transposed([row[k] for row in Br]) for k in range(len(self.symbols.u))]
+        return self.transfer.solve_transposed(Qr), [[column[i] for column in columns] for i in range(len(Qr))]

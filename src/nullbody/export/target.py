@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import secrets
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from nullbody.errors import OutputError
@@ -24,7 +24,7 @@ def check_target(path: str | os.PathLike[str], *suffixes: str) -> Path:
         OutputError: another ending, a folder in its place, or a folder that is missing or not writable.
     """
     target = Path(path).expanduser()
-    if target.is_dir():
+    if os.path.isdir(target):  # noqa: PTH112, Path.is_dir raises where a name is too long
         raise OutputError(
             f"{target} cannot be written: it is a folder. Name a file in it, {target / f'run{suffixes[0]}'}"
         )
@@ -56,7 +56,8 @@ def replacement(path: str | os.PathLike[str], *suffixes: str) -> Iterator[Path]:
     except OSError as error:
         raise OutputError(f"{target} cannot be written: {error.strerror or error}. {_ADVICE}") from error
     finally:
-        draft.unlink(missing_ok=True)
+        with suppress(OSError):  # it is not there, or its name is too long to be
+            draft.unlink()
 
 
 _ADVICE = "Choose a folder that you can write and that has space"

@@ -22,6 +22,7 @@ __all__ = ["CacheFile", "cache_files", "object_file", "remove", "size_bound", "t
 _BOUND = "500MB"
 _SIZE = re.compile(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*([kMGT]?)i?B?\s*", re.IGNORECASE)
 _UNITS = {"": 1, "K": 10**3, "M": 10**6, "G": 10**9, "T": 10**12}
+_MOST = 2.0**63  # no disk is larger
 _NAME = re.compile(r"[0-9a-f]{40}(\.o|-\w+\.tmp)")
 _ABANDONED = 600.0  # [s] writing takes milliseconds: an unfinished file that is older belongs to a process that died
 
@@ -51,7 +52,7 @@ def size_bound() -> int:
     """
     text = os.environ.get("NULLBODY_CACHE_SIZE") or _BOUND
     found = _SIZE.fullmatch(text)
-    bound = int(float(found[1]) * _UNITS[found[2].upper()]) if found else 0
+    bound = int(min(float(found[1]) * _UNITS[found[2].upper()], _MOST)) if found else 0
     if bound < 1:
         raise CacheError(
             f"NULLBODY_CACHE_SIZE={text!r} is no size: write a positive number of bytes, or one with a unit such as "

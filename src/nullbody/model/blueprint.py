@@ -104,10 +104,21 @@ def _readable(names: object) -> bool:
 def _sources() -> str:
     """A digest of sizes and times of the files that the derivation is in."""
     root, digest = Path(__file__).parents[1], blake2b(digest_size=20)
-    for package in _SOURCES:
-        for folder, _, files in sorted(os.walk(root / package)):
+    for place in (root, *(root / package for package in _SOURCES)):
+        for folder, inner, files in os.walk(place):
+            if place == root:
+                inner.clear()  # the modules beside the packages, such as the tolerances
+            inner.sort()
             for name in sorted(files):
                 if name.endswith(".py"):
-                    status = (Path(folder) / name).stat()
-                    digest.update(f"{folder}/{name} {status.st_size} {status.st_mtime_ns}\n".encode())
+                    digest.update(_stamp(Path(folder) / name).encode())
     return digest.hexdigest()
+
+
+def _stamp(path: Path) -> str:
+    """What changes with a file, also where an installer sets the time of modification: st_ctime is the system's own."""
+    status = path.stat()
+    return f"{path} {status.st_size} {status.st_mtime_ns} {status.st_ctime_ns}\n"
+
+
+_sources()  # now: files that are edited while this process runs are not what it has imported

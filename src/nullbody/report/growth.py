@@ -27,13 +27,11 @@ class Growth:
         times: [s]
         factor: amplification at these times [m per m/s].
         rate: the fitted slope of log factor from 0.5 s on [1/s].
-        fastest: the range of the largest real part of J's eigenvalues [1/s].
     """
 
     times: FloatArray
     factor: FloatArray
     rate: float
-    fastest: tuple[float, float]
 
     def at(self, t: float) -> float | None:
         """The amplification at a time, or nothing outside."""
@@ -59,8 +57,7 @@ def linear_growth(case: Case) -> Growth:
     times, values = knots[::2], np.array(factor)
     late = times >= min(0.5, times[-1] / 2)
     rate = float(np.polyfit(times[late], np.log(values[late]), 1)[0])
-    fastest = [float(np.linalg.eigvals(matrix).real.max()) for matrix in J]
-    return Growth(times, values, rate, (min(fastest), max(fastest)))
+    return Growth(times, values, rate)
 
 
 def _jacobian(case: Case, t: float) -> FloatArray:

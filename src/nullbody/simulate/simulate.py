@@ -43,7 +43,8 @@ def simulate(
     """The motion from a state until t1: q' = N v + beta, v' = Mr^-1 (Br u - hr), with adaptive steps.
 
     After each step whose closures exceed 2e-14 m the coordinates are projected back onto the manifold, so that
-    every stored sample is closed to 1e-13 m; the rates satisfy A q' + b = 0 by construction. Where the independent
+    every stored sample is closed to 1e-13 m (interpolated over a configuration singularity to a few times that); the
+    rates satisfy A q' + b = 0 by construction. Where the independent
     coordinates become poor (|N| > 10 in radians and typical lengths) others are taken, so that singularities of one
     choice are passed; inputs and the trajectory keep those of the model. Inputs are held within their limits.
 

@@ -20,6 +20,17 @@ from nullbody.model import Model, build
 
 __all__ = ["CFolder", "write_c"]
 
+#: Names that <prefix>.h, <prefix>.c and the target <prefix> must not have: standard headers, own targets of CMake,
+#: devices of Windows.
+_FILES = frozenset(
+    """
+    assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdarg stdbool stddef stdint
+    stdio stdlib string tgmath threads time uchar unistd wchar wctype
+    all clean depend edit_cache help install package preinstall rebuild_cache test
+    aux con nul prn
+    """.split()
+)
+
 
 @dataclass(frozen=True)
 class CFolder:
@@ -68,8 +79,8 @@ def write_c(
     checked_real(real)
     if not isinstance(equations, Equations | Model):
         raise InputError(f"C is written of Equations or a Model, not of {type(equations).__name__}")
-    name = identifiers([equations.mechanism.name])[0] if prefix is None else prefix
-    check_prefix(name)
+    name = _file_name(equations.mechanism.name) if prefix is None else prefix
+    _check_files(name)
     place = _made(Path(folder).expanduser())
     subject = Subject(equations if isinstance(equations, Model) else build(equations), name, real)
     found = trial(subject, seed)
@@ -85,6 +96,22 @@ def write_c(
             stream.write(text)
     paths = tuple(place / file for file in texts)
     return CFolder(place, name, paths[0], paths[1], paths[2], paths)
+
+
+def _file_name(text: str) -> str:
+    """A text as a C identifier that files can have too."""
+    name = identifiers([text])[0]
+    return f"{name}_" if name.lower() in _FILES else name
+
+
+def _check_files(prefix: str) -> None:
+    """Raise unless C functions, files and a target of CMake can have this name."""
+    check_prefix(prefix)
+    if prefix.lower() in _FILES:
+        raise InputError(
+            f"files cannot be called {prefix!r}: a header of C, a target of CMake or a device has that name already; "
+            f"use {_file_name(prefix)!r}"
+        )
 
 
 def _made(folder: Path) -> Path:

@@ -59,7 +59,9 @@ class Subject:
     def parameters(self) -> list[tuple[str, Parameter, float]]:
         """(field of the structure, parameter, value) in the order of p."""
         known = self.model.mechanism.parameters
-        fields = identifiers(parameter.name for parameter in known)
+        names = [parameter.name for parameter in known]
+        macros = [name for name in names if name.startswith(f"{self.macro}_")]  # the header may define them
+        fields = identifiers(names, macros)
         return list(zip(fields, known, self.model.values, strict=True))
 
     def size(self, group: str) -> int:

@@ -387,6 +387,18 @@ static inline void set_states(Model *m, const double *x)
     m->valid = 0;
 }
 
+/* Before the simulation the start is closed first, so that no value is that of open loops or unsettled parameters. */
+static inline Found ensure_start(Model *m)
+{
+    return m->now.mode == RUNNING || m->now.mode == ENDED ? FINE : close_start(m);
+}
+
+/* Whether bytes that claim to be a stored state can be one: what is used as an index is in its range. */
+static inline int is_state(const Now *now)
+{
+    return now->chart >= 0 && now->chart < NCHARTS && now->mode >= INSTANTIATED && now->mode <= ENDED;
+}
+
 static inline Found ensure_forward(Model *m)
 {
     if (m->valid & FORWARD) return FINE;
@@ -399,7 +411,8 @@ static inline Found ensure_forward(Model *m)
 
 static inline Found state_rates(Model *m, double *x_dot)
 {
-    const Found found = ensure_forward(m);
+    Found found = ensure_start(m);
+    if (found == FINE) found = ensure_forward(m);
     if (found != FINE) return found;
     for (int i = 0; i < NQ; i++) x_dot[i] = m->forward.q_dot[i];
     for (int i = 0; i < NV; i++) x_dot[NQ + i] = m->forward.q_ddot[INDEPENDENT[m->now.chart][i]];
@@ -633,7 +646,7 @@ static inline int plain_value(const Model *m, unsigned vr, double *value)
 
 static inline Found value_of(Model *m, unsigned vr, double *value)
 {
-    Found found = m->now.mode == RUNNING || m->now.mode == ENDED ? FINE : close_start(m);
+    Found found = ensure_start(m);
     if (found != FINE) return found;
     if (plain_value(m, vr, value)) return FINE;
     int i;

@@ -216,9 +216,12 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte b
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
 {
     if (c == NULL || state == NULL || size != sizeof(Now)) return fmi2Error;
+    Now stored;
+    memcpy(&stored, bytes, sizeof stored);
+    if (!is_state(&stored)) return unsupported(c, "these bytes are no stored state of this unit");
     if (*state == NULL) *state = ((Instance *)c)->allocate(1, sizeof(Now));
     if (*state == NULL) return unsupported(c, "no memory for a state");
-    memcpy(*state, bytes, sizeof(Now));
+    memcpy(*state, &stored, sizeof stored);
     return fmi2OK;
 }
 
@@ -269,6 +272,7 @@ fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time)
 {
     if (c == NULL) return fmi2Error;
     MODEL(c)->now.t = time;
+    MODEL(c)->now.closed = 0;
     MODEL(c)->valid = 0;
     return fmi2OK;
 }
@@ -279,6 +283,7 @@ static const char *const STATES =
 fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n)
 {
     if (c == NULL || !has_states(MODEL(c), n)) return unsupported(c, STATES);
+    if (MODEL(c)->now.mode != RUNNING) return unsupported(c, "before the simulation, states are set as start values");
     set_states(MODEL(c), x);
     return fmi2OK;
 }
@@ -298,8 +303,9 @@ fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real indicators[], size_t
 fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t n)
 {
     if (c == NULL || !has_states(MODEL(c), n)) return unsupported(c, STATES);
-    states(MODEL(c), x);
-    return fmi2OK;
+    const Found found = ensure_start(MODEL(c));
+    if (found == FINE) states(MODEL(c), x);
+    return status_of(c, found, fmi2Discard);
 }
 
 fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real nominals[], size_t n)

@@ -278,9 +278,12 @@ fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte by
 fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_t size, fmi3FMUState *state)
 {
     if (c == NULL || state == NULL || size != sizeof(Now)) return fmi3Error;
+    Now stored;
+    memcpy(&stored, bytes, sizeof stored);
+    if (!is_state(&stored)) return unsupported(c, "these bytes are no stored state of this unit");
     if (*state == NULL) *state = calloc(1, sizeof(Now));
     if (*state == NULL) return unsupported(c, "no memory for a state");
-    memcpy(*state, bytes, sizeof(Now));
+    memcpy(*state, &stored, sizeof stored);
     return fmi3OK;
 }
 
@@ -411,6 +414,7 @@ fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64 time)
 {
     if (c == NULL) return fmi3Error;
     MODEL(c)->now.t = time;
+    MODEL(c)->now.closed = 0;
     MODEL(c)->valid = 0;
     return fmi3OK;
 }
@@ -421,6 +425,7 @@ static const char *const STATES =
 fmi3Status fmi3SetContinuousStates(fmi3Instance c, const fmi3Float64 x[], size_t n)
 {
     if (c == NULL || !has_states(MODEL(c), n)) return unsupported(c, STATES);
+    if (MODEL(c)->now.mode != RUNNING) return unsupported(c, "before the simulation, states are set as start values");
     set_states(MODEL(c), x);
     return fmi3OK;
 }
@@ -440,8 +445,9 @@ fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64 indicators[], size
 fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64 x[], size_t n)
 {
     if (c == NULL || !has_states(MODEL(c), n)) return unsupported(c, STATES);
-    states(MODEL(c), x);
-    return fmi3OK;
+    const Found found = ensure_start(MODEL(c));
+    if (found == FINE) states(MODEL(c), x);
+    return status_of(c, found, fmi3Discard);
 }
 
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64 nominals[], size_t n)
