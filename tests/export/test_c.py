@@ -252,7 +252,7 @@ def test_awkward_names_stay_apart(models: Mapping[str, Model], folder: Path) -> 
 
 @pytest.mark.parametrize("options", [["-std=c99", "-pedantic"], ["-std=gnu99"]])
 def test_parameters_named_as_macros(folder: Path, options: list[str]) -> None:
-    names = ("M_E", "M_NQ", "M_H", "M_LOSS", "DBL_MAX", "FLT_EPSILON", "EOF", "stdin", "HUGE_VALF", "m_params", "p", "q")
+    names = ("M_E", "M_NQ", "M_H", "M_LOSS", "DBL_MAX", "FLT_EPSILON", "EOF", "stdin", "HUGE_VALF", "m_params", "p")
     mechanism = Mechanism(
         "m",
         (Body("cart", " + ".join(names)),),
@@ -351,6 +351,10 @@ def test_equations_and_their_model_are_the_same_code(folder: Path) -> None:
         ({"prefix": "3 prs"}, "cannot begin with '3 prs'"),
         ({"prefix": ""}, "cannot begin with ''"),
         ({"prefix": "while"}, "cannot begin with 'while'"),
+        ({"prefix": 3}, "begin with a text, not with 3"),
+        ({"prefix": "math"}, "files cannot be called 'math'"),
+        ({"seed": -1}, "seed must be a whole number from 0, not -1"),
+        ({"seed": "x"}, "not 'x'"),
     ],
 )
 def test_bad_options_are_refused_and_nothing_is_written(

@@ -71,6 +71,12 @@ def test_any_name_of_a_mechanism_will_do(tmp_path: Path, name: str, identifier: 
     assert ran["x"][-1] == pytest.approx(1.0, rel=1e-9)
 
 
+def test_signs_that_xml_cannot_hold_are_replaced(tmp_path: Path) -> None:
+    path = written(flat("push\x01 \uffff"), tmp_path / "unit.fmu", fmi=2)
+    names = {v.name for v in fmpy.read_model_description(str(path)).modelVariables}
+    assert any("push_ _" in name for name in names)
+
+
 def test_states_and_derivatives_are_declared(tmp_path: Path) -> None:
     equations, _, state = start_of("three_prs")
     write_fmu(equations, tmp_path / "unit.fmu", start=state, platforms=[])

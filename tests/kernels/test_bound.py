@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from nullbody import build, derive
-from nullbody.catalog import n_four_bar
+from nullbody.catalog import n_four_bar, three_prs
 from nullbody.errors import InputError, UnknownName
 from nullbody.expr import Graph, Tape, sin
 from nullbody.kernels import Kernel, Program, compile_programs
@@ -55,14 +55,34 @@ def test_calls_leave_nothing_behind(kernel: Kernel) -> None:
 
 def test_inputs_that_do_not_fit_are_named(kernel: Kernel) -> None:
     bound = kernel.bound()
-    with pytest.raises(InputError, match=r"kernel pair\(x\[1\], y\[1\], p\[1\]\): an input does not fit"):
+    with pytest.raises(
+        InputError, match=r"kernel pair\(.*\): input 'x' has shape \(2,\), not \(1,\)"
+    ):
         bound([1.0, 2.0])
-    with pytest.raises(InputError, match="an input does not fit"):
+    with pytest.raises(InputError, match="input 'y' has shape"):
+        bound([1.0], np.zeros((1, 1)))
+    with pytest.raises(InputError, match=r"holds .*, not real numbers"):
         bound(["one"])
+    with pytest.raises(InputError, match="has shape"):
+        bound(1.0)
     with pytest.raises(InputError, match="takes 3 input groups, not 4"):
         bound([1.0], [1.0], [1.0], [1.0])
     with pytest.raises(TypeError):
         bound.inputs["x"] = np.zeros(1)  # type: ignore[index]
+
+
+def test_one_number_is_never_spread_over_a_group() -> None:
+    model = build(derive(three_prs()))
+    bound, q = model.bound("forward_dynamics"), np.linspace(0.1, 1.2, 12)
+    for wrong in (0.3, [0.3], np.array([0.3]), np.array(0.3), np.zeros((3, 1))):
+        with pytest.raises(InputError, match="input 'v' has shape"):
+            bound(q, wrong)
+    found = [
+        bound(q, v, u)[0].copy() for v, u in (([1, 2, 3], np.ones(3)), (np.array([1, 2, 3], np.float32), [1, 1, 1]))
+    ]
+    reversed_q = np.ascontiguousarray(q[::-1])[::-1]  # strides do not matter
+    np.testing.assert_array_equal(found[0], bound(reversed_q, np.array([1.0, 2.0, 3.0]), np.ones(3))[0])
+    np.testing.assert_array_equal(found[0], found[1])
 
 
 def test_a_models_kernel_has_its_parameters() -> None:

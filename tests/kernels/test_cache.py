@@ -242,7 +242,15 @@ def test_what_a_process_left_that_died_is_removed(cache: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "size"), [("", 500_000_000), ("812", 812), ("2GB", 2_000_000_000), (" 1.5 MiB ", 1_500_000), (".5k", 500)]
+    ("text", "size"),
+    [
+        ("", 500_000_000),
+        ("812", 812),
+        ("2GB", 2_000_000_000),
+        (" 1.5 MiB ", 1_500_000),
+        (".5k", 500),
+        ("9" * 400, 2**63),
+    ],
 )
 def test_sizes(text: str, size: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NULLBODY_CACHE_SIZE", text)

@@ -40,12 +40,12 @@ def test_values_equal_the_models(name: str) -> None:
     q, v, u, t, _ = arguments
     rate = at.model.derivatives.rate(at.state, at.u).rate
     np.testing.assert_allclose(made.rate(*arguments), rate, rtol=1e-12, atol=1e-12)
-    np.testing.assert_array_equal(made.forward_dynamics(q, v, u, t), at.model.forward_dynamics(at.state, at.u))
+    np.testing.assert_array_equal(made.forward_dynamics(q, v, u, t), at.model.plain.forward_dynamics(at.state, at.u))
     forces = at.model.derivatives.inverse_dynamics(at.state, at.v_dot).force
     found = jax.jit(made.inverse_dynamics)(q, v, at.v_dot, t)
     np.testing.assert_allclose(found, forces, rtol=1e-12, atol=1e-12)
     if len(at.u):
-        unforced = at.model.forward_dynamics(at.state)
+        unforced = at.model.plain.forward_dynamics(at.state)
         np.testing.assert_array_equal(made.forward_dynamics(q, v, t=t), unforced)
 
 

@@ -6,13 +6,13 @@ import ctypes
 from collections.abc import Mapping, Sequence
 from math import prod
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nullbody.errors import InputError
-from nullbody.kernels.block import label
+from nullbody.kernels.block import label, real_numbers
 
 if TYPE_CHECKING:
     from nullbody.kernels.kernel import Kernel
@@ -43,7 +43,9 @@ class BoundKernel:
         self._target = np.zeros(max(1, len(program.tape.outputs)))
         self.inputs = _views(self._source, [(name, (size,)) for name, size in program.inputs])
         self.outputs = _views(self._target, program.outputs)
-        self._places = tuple(self.inputs.values())
+        self._places: tuple[Any, ...] = tuple(
+            place.data for place in self.inputs.values()
+        )  # take arrays of their size only
         self._results = tuple(self.outputs.values())
         self._function = kernel.function
         self._from, self._to = (ctypes.c_void_p(a.ctypes.data) for a in (self._source, self._target))
@@ -62,13 +64,27 @@ class BoundKernel:
         """
         try:
             for place, group in zip(self._places, groups, strict=False):
-                place[...] = group
-        except (TypeError, ValueError) as error:
-            raise InputError(f"kernel {label(self.program)}: an input does not fit: {error}") from None
+                place[:] = group
+        except (TypeError, ValueError):  # not an array of doubles of this size
+            self._convert(groups)
         if len(groups) > len(self._places):
             raise InputError(f"kernel {label(self.program)} takes {len(self._places)} input groups, not {len(groups)}")
         self._function(self._from, self._to)
         return self._results
+
+    def _convert(self, groups: Sequence[ArrayLike]) -> None:
+        """Write groups of any numbers."""
+        for k, (place, group) in enumerate(zip(self.inputs.values(), groups, strict=False)):
+            array = real_numbers(self.program, k, group)
+            if array.shape != place.shape:
+                name = self.program.inputs[k][0]
+                raise InputError(
+                    f"kernel {label(self.program)}: input {name!r} has shape {array.shape}, not {place.shape}"
+                )
+            place[...] = array
+
+    def __repr__(self) -> str:
+        return f"<BoundKernel {label(self.program)}>"
 
 
 def _views(

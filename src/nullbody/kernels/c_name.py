@@ -9,7 +9,8 @@ from nullbody.errors import InputError
 
 __all__ = ["check_prefix", "identifiers"]
 
-#: Keywords of C99, C11 and C++, macros of <math.h> (those of POSIX too) and <stdio.h>, and the functions that the printed code calls.
+#: Keywords of C99, C11 and C++, macros of <math.h> (those of POSIX too) and <stdio.h>, and the functions that the
+#: printed code calls.
 _RESERVED = frozenset(
     re.findall(
         r"\w+",
@@ -59,8 +60,10 @@ def check_prefix(prefix: str) -> None:
     """Raise unless names of C functions can begin with this text.
 
     Raises:
-        InputError: it is no identifier, begins with _ (such names belong to the compiler), or is a word of C.
+        InputError: it is no text, no identifier, begins with _ (such names belong to the compiler), or is a word of C.
     """
+    if not isinstance(prefix, str):
+        raise InputError(f"names in C begin with a text, not with {prefix!r}")
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", prefix) or prefix in _RESERVED:
         raise InputError(
             f"names in C cannot begin with {prefix!r}: use a letter, then letters, digits and _, such as "

@@ -2,7 +2,8 @@
 
 Folder: the environment variable NULLBODY_CACHE, else nullbody in the user's cache folder; NULLBODY_CACHE=off: no cache.
 A file is an object, and before it a checksum of its key and of itself, so that no object is taken for another; it is
-written under another name and renamed, so that it is there completely or not at all, also with several processes. Native code is only loaded from what this user alone can write.
+written under another name and renamed, so that it is there completely or not at all, also with several processes.
+Native code is only loaded from what this user alone can write.
 
 A cache saves time and nothing else: where it cannot be read or written (a read-only folder, a full disk, no home) there
 is a warning, and the code is compiled. What could be somebody else's code, and settings that make no sense, are errors.
@@ -93,7 +94,8 @@ def _usable_folder() -> Path | None:
 
 
 def load(key: str) -> bytes | None:
-    """The object under a key, or None where there is none, it is damaged or another's, or (with a warning) it cannot be read.
+    """The object under a key, or None where there is none, it is damaged or another's, or (with a warning)
+    it cannot be read.
 
     Raises:
         CacheError: the folder is a file, folder or file belong to another user or others can write them, or

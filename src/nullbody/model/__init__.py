@@ -1,6 +1,8 @@
 """Layer 5: equations as native code with parameter values, and checked states."""
 
 from nullbody.model.actuation import Actuation
+from nullbody.model.batch import Batch, BatchOptions, Energies, NullSpaces
+from nullbody.model.batch_assembly import Assembled, Assemblies
 from nullbody.model.build import build, programs
 from nullbody.model.derivatives import Derivatives
 from nullbody.model.jax_functions import JaxFunctions
@@ -19,7 +21,12 @@ from nullbody.model.values import (
 
 __all__ = [
     "Actuation",
+    "Assembled",
+    "Assemblies",
+    "Batch",
+    "BatchOptions",
     "Derivatives",
+    "Energies",
     "Energy",
     "ForwardDerivatives",
     "InverseDerivatives",
@@ -27,6 +34,7 @@ __all__ = [
     "LinearModel",
     "Model",
     "NullSpaceValues",
+    "NullSpaces",
     "RateDerivatives",
     "State",
     "StepDerivatives",

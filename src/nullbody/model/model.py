@@ -148,7 +148,7 @@ class Model:
         """
         from nullbody.model.jax_functions import jax_functions
 
-        return jax_functions(self)
+        return jax_functions(self.plain)
 
     def replace(self, **values: float) -> Model:
         """The same code with other parameter values; nothing is compiled.

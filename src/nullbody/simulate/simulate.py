@@ -43,17 +43,16 @@ def simulate(
     """The motion from a state until t1: q' = N v + beta, v' = Mr^-1 (Br u - hr), with adaptive steps.
 
     After each step whose closures exceed 2e-14 m the coordinates are projected back onto the manifold, so that
-    every stored sample is closed to 1e-13 m (interpolated over a configuration singularity to a few times that); the
-    rates satisfy A q' + b = 0 by construction. Where the independent
-    coordinates become poor (|N| > 10 in radians and typical lengths) others are taken, so that singularities of one
-    choice are passed; inputs and the trajectory keep those of the model. Inputs are held within their limits.
+    every stored sample is closed to 1e-13 m (over a configuration singularity, where samples are interpolated, to a few
+    times that); the rates satisfy A q' + b = 0 by construction. Where the independent coordinates become poor (|N| > 10
+    in radians and typical lengths) others are taken, so that singularities of one choice are passed; inputs and the
+    trajectory keep those of the model. Inputs are held within their limits.
 
     Args:
         model: the model.
         state: where it starts; from `assemble`, `model.state` or a trajectory.
         t1: end time [s].
-        u: inputs: a function u(t, x) of time and state, constant values (sequence or by name), or None for
-            none. [N, N m]
+        u: inputs [N, N m]: a function u(t, x) of time and state, constant values (sequence or by name), or none.
         rtol: relative tolerance of the local error.
         samples: number of evenly spaced samples to store, or their times; the integrator's steps by default.
         events: what to look for: `Event`s, which can end the simulation or change the state.

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass
+from numbers import Integral
 from pathlib import Path
 
 from nullbody.equations import Equations
@@ -23,12 +25,15 @@ __all__ = ["CFolder", "write_c"]
 #: Names that <prefix>.h, <prefix>.c and the target <prefix> must not have: standard headers, own targets of CMake,
 #: devices of Windows.
 _FILES = frozenset(
-    """
+    re.findall(
+        r"\w+",
+        """
     assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdarg stdbool stddef stdint
     stdio stdlib string tgmath threads time uchar unistd wchar wctype
     all clean depend edit_cache help install package preinstall rebuild_cache test
     aux con nul prn
-    """.split()
+    """,
+    )
 )
 
 
@@ -63,6 +68,7 @@ def write_c(
 
     The code allocates nothing, has no globals, and calls sin, cos and sqrt of libm alone. Kernels are straight lines;
     the functions around them check what goes in and comes out, by the same measures as a Model, and return a status.
+    The dynamics are written in v itself (`Model.plain`): nothing is refused but what v makes singular.
 
     Args:
         equations: from `derive`; or a Model, whose parameter values become the defaults in C.
@@ -72,17 +78,21 @@ def write_c(
         seed: of the random state at which the test program compares.
 
     Raises:
-        InputError: no equations, another type of numbers, or a prefix that is no identifier.
+        InputError: no equations, another type of numbers, a seed that is no whole number from 0, or a prefix that is
+            no identifier or belongs to a header of C, a target of CMake or a device.
         AssemblyError: no state is found for the test program.
         OutputError: the folder cannot be written.
     """
     checked_real(real)
     if not isinstance(equations, Equations | Model):
         raise InputError(f"C is written of Equations or a Model, not of {type(equations).__name__}")
+    if isinstance(seed, bool) or not isinstance(seed, Integral) or seed < 0:
+        raise InputError(f"seed must be a whole number from 0, not {seed!r}")
     name = _file_name(equations.mechanism.name) if prefix is None else prefix
     _check_files(name)
     place = _made(Path(folder).expanduser())
-    subject = Subject(equations if isinstance(equations, Model) else build(equations), name, real)
+    model = equations if isinstance(equations, Model) else build(equations)
+    subject = Subject(model.plain, name, real)
     found = trial(subject, seed)
     texts = {
         f"{name}.h": header(subject),

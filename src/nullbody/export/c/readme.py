@@ -57,20 +57,12 @@ Each returns `${P}_ok` (0) or what is wrong, and then leaves its outputs as they
 results whose null space has |N|^2 above $SPREAD, or whose Mr cancels by more than $LOSS, have lost too many digits of
 a $R and are refused, never returned. `${P}_message` gives the text.
 $LOOPS
-$BASIS
 The kernels `${P}_kernel_*` are the same equations without checks.
 """
 )
 
 
 _LOOPS = Template("They trust that the loops are closed at q: `${P}_check_state` says so, `${P}_close` closes them.")
-
-_BASIS = Template(
-    """Forward and inverse dynamics are written in the rates of $BASIS, which costs least; where those are singular they
-answer singular, also if $INDEPENDENT are not. `nullbody.derive(mechanism, basis=[...])` takes other coordinates, such
-as the independent ones themselves.
-"""
-)
 
 
 def build_file(subject: Subject) -> str:
@@ -88,8 +80,6 @@ def readme(subject: Subject) -> str:
     time = "t, " if subject.model.rheonomic else ""
     inputs = "u, " if subject.model.inputs else ""
     example = f"if ({P}_forward_dynamics(&params, {time}q, v, {inputs}q_ddot) != {P}_ok)\n{{\n    stop();\n}}"
-    model = subject.model
-    basis = {"BASIS": ", ".join(model.basis), "INDEPENDENT": ", ".join(model.independent)}
     return _README.substitute(
         TITLE=title(subject),
         P=P,
@@ -97,7 +87,6 @@ def readme(subject: Subject) -> str:
         EXAMPLE=example,
         ROWS="\n".join(rows),
         LOOPS=_LOOPS.substitute(P=P) if subject.model.closure_labels else "There are no loops that could be open.",
-        BASIS="" if model.basis == model.independent else _BASIS.substitute(basis),
         SPREAD=f"{limits.spread:.1e}",
         LOSS=f"{limits.loss:.1e}",
     )

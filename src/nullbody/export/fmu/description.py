@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
@@ -11,6 +12,9 @@ from nullbody.export.fmu.units import base_units, display_unit
 from nullbody.export.fmu.variables import Unit, Variable
 
 __all__ = ["build_description", "model_description"]
+
+#: Signs that XML cannot hold, not even escaped.
+_NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 _FLAGS = {"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true"}
 _FLAGS_3 = {"canGetAndSetFMUState": "true", "canSerializeFMUState": "true"}
@@ -42,7 +46,8 @@ def build_description(unit: Unit, compiled: Sequence[str]) -> bytes:
 
 def _text(root: Element) -> bytes:
     ElementTree.indent(root)
-    return bytes(ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)) + b"\n"
+    text = _NO_XML.sub("_", ElementTree.tostring(root, encoding="unicode"))
+    return f"<?xml version='1.0' encoding='utf-8'?>\n{text}\n".encode()
 
 
 def _head(unit: Unit, version: str) -> dict[str, str]:

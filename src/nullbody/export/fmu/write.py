@@ -107,7 +107,7 @@ def _wanted(platforms: Sequence[str] | None) -> tuple[str, ...]:
     if platforms is None:
         own = here()
         return (own,) if own is not None and compiler(own) is not None else ()
-    if isinstance(platforms, str) or not all(isinstance(name, str) for name in platforms):
+    if not isinstance(platforms, list | tuple) or not all(isinstance(name, str) for name in platforms):
         raise InputError(f"platforms must be a list of names, such as ['linux64'], not {platforms!r}")
     for name in platforms:
         if name not in PLATFORMS:
@@ -134,7 +134,7 @@ def _unit(model: object, start: State | None, reactions: bool, charts: Sequence[
         model = build(model)
     if not isinstance(model, Model):
         raise InputError(f"write_fmu takes a Model from build or Equations from derive, not {type(model).__name__}")
-    if isinstance(charts, str) or any(isinstance(names, str) for names in charts):
+    if not isinstance(charts, list | tuple) or not all(isinstance(names, list | tuple) for names in charts):
         raise InputError(f"charts are lists of names, such as [('y', 'psi', 'phi')], not {charts!r}")
     if start is None:
         state = assemble(model, {})
