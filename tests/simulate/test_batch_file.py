@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import sys
-import threading
 import time
 from pathlib import Path
 
@@ -71,15 +69,30 @@ def test_a_simulation_that_fails_leaves_a_file_that_says_so(tmp_path: Path) -> N
     assert [p.name for p in tmp_path.iterdir()] == ["motions.nc"]
 
 
+LONG = """
+import sys
+import numpy as np
+from nullbody import simulate_batch
+from tests.robot import robot
+from tests.simulate.test_batch import starts
+print("ready", flush=True)
+try:
+    simulate_batch(robot(), starts(count=200), np.linspace(0, 0.2, 2001), step=2e-7, to=sys.argv[1])
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT for another process")
 def test_an_interrupt_leaves_a_file_that_says_so(tmp_path: Path) -> None:
     path = tmp_path / "motions.nc"
-    killer = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
-    killer.start()
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            simulate_batch(robot(), starts(count=200), np.linspace(0, 0.2, 2001), step=2e-7, to=path)
-    finally:
-        killer.cancel()
+    process = subprocess.Popen([sys.executable, "-c", LONG, str(path)], stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "ready\n"
+    time.sleep(1.0)
+    process.send_signal(signal.SIGINT)
+    said, _ = process.communicate(timeout=60)
+    assert said == "interrupted\n"
     with xarray.open_dataset(path) as dataset:
         assert dataset.attrs["complete"] == 0
         assert 1 <= dataset.sizes["t"] < 2001

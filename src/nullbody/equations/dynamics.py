@@ -4,7 +4,7 @@
     q'' = N w' + gamma                        gamma = [-B^-1 c; 0] of the basis
     Mr w' + hr = Br u                         Mr = N^T M N,  hr = N^T (h + M gamma),  Br u = N^T Q
     u:   Br u = Qr_w = N^T (M q'' + h),       Qr = P^-T Qr_w    for given v', w' = P^-1 (v' - gamma_v)
-    |B_v| = +-|B| |P|,   |N_v| <= |N| |P^-1|  (Frobenius)
+    |B_v| = +-|B| |P|,   |N_v|^2 <= |N|^2 (1 + |P^-1|^2)  (Frobenius; |N| itself counts: gamma loses as much of q'')
 
 The basis may be v itself: then P = 1. Another one can be much cheaper: a platform's coordinates against the lengths of
 its legs, where N follows leg by leg and only P, nv x nv, couples them.
@@ -30,6 +30,7 @@ from nullbody.equations.reduction import (
     inverse,
     reduce,
     required_inputs,
+    solve_symmetric,
 )
 from nullbody.equations.sizes import Sizes
 from nullbody.equations.symbols import Symbols
@@ -162,7 +163,7 @@ class Dynamics:
         delta = self.symbols.zero + delta * P.delta
         return {
             "delta": delta if delta.graph.value(delta.ref) == self.witness else -delta,
-            "spread": (n + spread) * size,
+            "spread": total((spread, (n + spread) * size)),
             "doubt": total((doubt, P.doubt)),
         }
 
@@ -214,7 +215,11 @@ class Dynamics:
         Qr = self.forces(acceleration(N, w_dot, self.gamma))
         Br = input_matrix(N, symbols.input_columns)
         Mr = self.reduced.Mr
-        loss = dot(gross(M, N), [1 / Mr[j][j] for j in range(len(Mr))])
+        if self.transfer is None:
+            pivots = [1 / Mr[j][j] for j in range(len(Mr))]
+        else:  # Qr = P^-T Mr P^-1 v' + ...: digits are lost where Mr in the rates of the basis is nearly singular
+            _, pivots = solve_symmetric(Mr, [0] * len(Mr))
+        loss = dot(gross(M, N), pivots)
         measures = self.check
         found = self._along_v(Qr, Br)  # written before u, which divides by |Br|: forms that are in use by then stay
         u = required_inputs(Br, Qr)
