@@ -55,9 +55,7 @@ def test_calls_leave_nothing_behind(kernel: Kernel) -> None:
 
 def test_inputs_that_do_not_fit_are_named(kernel: Kernel) -> None:
     bound = kernel.bound()
-    with pytest.raises(
-        InputError, match=r"kernel pair\(.*\): input 'x' has shape \(2,\), not \(1,\)"
-    ):
+    with pytest.raises(InputError, match=r"kernel pair\(.*\): input 'x' has shape \(2,\), not \(1,\)"):
         bound([1.0, 2.0])
     with pytest.raises(InputError, match="input 'y' has shape"):
         bound([1.0], np.zeros((1, 1)))
