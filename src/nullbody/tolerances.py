@@ -11,11 +11,17 @@ __all__ = [
     "EPS",
     "GIVEN_CLOSED",
     "LARGE_SPREAD",
+    "LONGEST_NEWTON_STEP",
     "NEWTON_STEPS",
     "REGULAR_DOUBT",
     "REGULAR_LOSS",
     "REGULAR_SPREAD",
+    "SETTLED",
     "SIMULATED_SPREAD",
+    "SINGLE_DOUBT",
+    "SINGLE_EPS",
+    "SINGLE_LOSS",
+    "SINGLE_SPREAD",
     "SWITCH_DOUBT",
     "SWITCH_SPREAD",
 ]
@@ -32,6 +38,12 @@ CLOSED_STEP = 2e-14
 #: |Phi| up to which a state given by the user counts as closed [m]: a nanometre, far below any tolerance of
 #: manufacture and far above the rounding of printed coordinates (15 digits).
 GIVEN_CLOSED = 1e-9
+
+#: A Newton step this short leaves an error of its square, which is rounding [m, rad].
+SETTLED = 1e-8
+
+#: Newton steps longer than this are cut, to stay on the branch [m, rad].
+LONGEST_NEWTON_STEP = 0.5
 
 #: Newton steps before an assembly is given up; a regular start needs 3 to 6, a singular end (linear
 #: convergence, one bit a step) up to about 30.
@@ -63,3 +75,12 @@ SWITCH_SPREAD = 1e2
 
 #: doubt from which it looks for better rows as well: determinants at 1e-4 of the product of column lengths.
 SWITCH_DOUBT = 1e8
+
+#: The distance from 1 to the next number in single precision.
+SINGLE_EPS = 2.0**-23
+
+#: The same limits for single precision: results keep three of their seven digits, and a determinant at 45 roundings of
+#: the product of its column lengths is none.
+SINGLE_SPREAD = (1e-3 / SINGLE_EPS) ** 2
+SINGLE_LOSS = 1e-3 / SINGLE_EPS
+SINGLE_DOUBT = (45 * SINGLE_EPS) ** -2

@@ -7,14 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from nullbody.model import Model
-from nullbody.tolerances import CLOSED, EPS, GIVEN_CLOSED, NEWTON_STEPS
+from nullbody.tolerances import CLOSED, EPS, GIVEN_CLOSED, LONGEST_NEWTON_STEP, NEWTON_STEPS, SETTLED
 from nullbody.typing import FloatArray, IndexArray
 
 __all__ = ["Closed", "close_loops", "closed_to", "project"]
 
 _RANK = 1e-9  # singular values below this part of the largest do not steer a Newton step
-_SETTLED = 1e-8  # [m, rad] a step this short leaves an error of its square
-_LONGEST_STEP = 0.5  # of a Newton step [m, rad]; longer ones are cut to stay on the branch
 
 
 class Closed(NamedTuple):
@@ -61,13 +59,13 @@ def close_loops(model: Model, q: FloatArray, free: IndexArray, t: float = 0.0) -
             return Closed(q, residual, step, moved, converged=residual <= EPS)
         change = _newton_step(A[:, free], Phi, rank)
         length = float(np.abs(change).max(initial=0.0))
-        if length > _LONGEST_STEP:
-            change *= _LONGEST_STEP / length
+        if length > LONGEST_NEWTON_STEP:
+            change *= LONGEST_NEWTON_STEP / length
         q[free] += change
-        moved += min(length, _LONGEST_STEP)
+        moved += min(length, LONGEST_NEWTON_STEP)
         Phi, A = _closure(model, q, t)
         residual = float(np.abs(Phi).max(initial=0.0))
-        if length <= _SETTLED:
+        if length <= SETTLED:
             break
     return Closed(q, residual, step + 1, moved, converged=bool(residual <= closed_to(A, q)))
 
@@ -89,7 +87,7 @@ def _newton_step(A: FloatArray, Phi: FloatArray, rank: int) -> FloatArray:
         except np.linalg.LinAlgError:
             pass
         else:
-            if np.abs(change).max(initial=0.0) <= _LONGEST_STEP:
+            if np.abs(change).max(initial=0.0) <= LONGEST_NEWTON_STEP:
                 return change
     if not A.size:
         return np.zeros(A.shape[1])

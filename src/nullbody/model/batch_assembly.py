@@ -14,13 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nullbody.model.batch_check import limits_of, singular_kinematics
-from nullbody.tolerances import CLOSED, EPS, GIVEN_CLOSED, NEWTON_STEPS
+from nullbody.tolerances import CLOSED, EPS, GIVEN_CLOSED, LONGEST_NEWTON_STEP, NEWTON_STEPS, SETTLED
 from nullbody.typing import FloatArray, IndexArray
 
 __all__ = ["Assembled", "Assemblies", "closed_by_newton", "closed_rows"]
 
-_SETTLED = 1e-8  # [m, rad] a step this short leaves an error of its square
-_LONGEST_STEP = 0.5  # of a Newton step [m, rad]; longer ones are cut to stay on the branch
 
 #: call(routine, outputs, q, lanes) -> arrays; `lanes` says which states these are.
 Call = Callable[[str, tuple[str, ...], FloatArray, IndexArray], tuple[NDArray[Any], ...]]
@@ -80,11 +78,11 @@ def closed_by_newton(call: Call, q: FloatArray) -> Assemblies:
         if singular.any():
             going = ~singular
             active, change, length, here = active[going], change[going], length[going], here[going]
-        longest = length > _LONGEST_STEP
-        change[longest] *= _LONGEST_STEP / length[longest, None]
+        longest = length > LONGEST_NEWTON_STEP
+        change[longest] *= LONGEST_NEWTON_STEP / length[longest, None]
         q[active] = np.add(here, change, out=change)
         steps[active] += 1
-        settled = length <= _SETTLED
+        settled = length <= SETTLED
         outcome[active[settled]] = Assembled.CLOSED
         active = active[~settled]
     residual = _judge(call, q, outcome)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nullbody.errors import InputError, SingularityError
-from nullbody.tolerances import REGULAR_DOUBT, REGULAR_LOSS, REGULAR_SPREAD
+from nullbody.tolerances import REGULAR_DOUBT, REGULAR_LOSS, REGULAR_SPREAD, SINGLE_DOUBT, SINGLE_LOSS, SINGLE_SPREAD
 
 __all__ = ["SINGULAR", "Limits", "limits_of", "refuse", "singular_dynamics", "singular_kinematics"]
 
@@ -39,8 +39,7 @@ class Limits:
 
 _LIMITS = {
     np.dtype(np.float64): Limits(REGULAR_SPREAD, REGULAR_DOUBT, REGULAR_LOSS),
-    # eps = 1.2e-7: refused where less than two digits may be left, or |B| is at rounding level
-    np.dtype(np.float32): Limits(7e9, 1e10, 8e3),
+    np.dtype(np.float32): Limits(SINGLE_SPREAD, SINGLE_DOUBT, SINGLE_LOSS),
 }
 
 

@@ -24,6 +24,7 @@ from nullbody.tolerances import (
     LARGE_SPREAD,
     REGULAR_DOUBT,
     REGULAR_LOSS,
+    SETTLED,
     SWITCH_DOUBT,
     SWITCH_SPREAD,
 )
@@ -31,7 +32,6 @@ from nullbody.typing import FloatArray
 
 __all__ = ["Native", "NativeAttempts"]
 
-_SETTLED = 1e-8  # [m, rad] a Newton step this short leaves an error of its square
 _USED = slice(5, 13)  # stages that dense output needs, besides the first
 
 
@@ -63,7 +63,7 @@ class Native:
             matrix=Part(self._kinematics, "N"),
             weights=(scale[columns] / scale[:, None]).ravel(),
             measure="doubt",
-            bounds=Bounds(matrix=SWITCH_SPREAD, measure=SWITCH_DOUBT, open=CLOSED_STEP, short=_SETTLED),
+            bounds=Bounds(matrix=SWITCH_SPREAD, measure=SWITCH_DOUBT, open=CLOSED_STEP, short=SETTLED),
         )
         starts = self._kinematics.starts
         self.places = starts["delta"], starts["spread"], starts["doubt"]

@@ -8,12 +8,24 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from nullbody.kernels.c99 import Real
-from nullbody.tolerances import GIVEN_CLOSED, LARGE_SPREAD, REGULAR_DOUBT, REGULAR_LOSS, REGULAR_SPREAD
+from nullbody.tolerances import (
+    EPS,
+    GIVEN_CLOSED,
+    LARGE_SPREAD,
+    REGULAR_DOUBT,
+    REGULAR_LOSS,
+    REGULAR_SPREAD,
+    SETTLED,
+    SINGLE_DOUBT,
+    SINGLE_EPS,
+    SINGLE_LOSS,
+    SINGLE_SPREAD,
+)
 
 __all__ = ["EPSILON", "LIMITS", "Limits"]
 
 #: The distance from 1 to the next number.
-EPSILON = {"double": 2.0**-52, "float": 2.0**-23}
+EPSILON = {"double": EPS, "float": SINGLE_EPS}
 
 
 class Limits(NamedTuple):
@@ -38,14 +50,13 @@ class Limits(NamedTuple):
 
 
 LIMITS: dict[Real, Limits] = {
-    "double": Limits(GIVEN_CLOSED, REGULAR_SPREAD, LARGE_SPREAD, REGULAR_DOUBT, REGULAR_LOSS, 1e-10, 1e-8),
-    # 1e-5 m is 80 roundings of a metre; accelerations keep 3 digits, N the same; |B| at 45 roundings is none
+    "double": Limits(GIVEN_CLOSED, REGULAR_SPREAD, LARGE_SPREAD, REGULAR_DOUBT, REGULAR_LOSS, 1e-10, SETTLED),
     "float": Limits(
-        closed=1e-5,
-        spread=(1e-3 / EPSILON["float"]) ** 2,
+        closed=1e-5,  # 80 roundings of a metre
+        spread=SINGLE_SPREAD,
         large_spread=LARGE_SPREAD,
-        doubt=(45 * EPSILON["float"]) ** -2,
-        loss=1e-3 / EPSILON["float"],
+        doubt=SINGLE_DOUBT,
+        loss=SINGLE_LOSS,
         rank=1e-4,
         step=1e-4,
     ),
