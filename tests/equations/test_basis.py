@@ -12,6 +12,7 @@ from nullbody.catalog import MODELS, n_four_bar, rolling_disc, stewart_platform,
 from nullbody.equations import Equations, derive
 from nullbody.errors import InputError, SingularityError, UnknownName
 from nullbody.mechanism import Mechanism, Placement, Rotation
+from tests.mechanisms import four_bar
 from tests.oracles.sample import evaluate
 
 EPS = 2.2e-16
@@ -128,6 +129,42 @@ def test_generalized_forces_do_not_suffer_where_the_inputs_are_singular() -> Non
     state = assemble(model, {"x": 0.1, "q1": dead}, v=(1.0, 2.0))
     found, expected = (m.generalized_forces(state, (1.0, 2.0)) for m in (model, model.plain))
     np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("distance", [1e-12, 1e-10, 1e-8, 1e-6, 1e-4])
+def test_beside_a_singularity_of_a_single_coordinate_of_the_basis(distance: float) -> None:
+    """One degree of freedom: |N| and |P| grow alike, and their quotient shows nothing."""
+    model = build(derive(four_bar(), ("q1",), basis=("q3",)))
+    dead = np.arccos((0.7**2 + 0.6**2 - 0.4**2) / (2 * 0.7 * 0.6))
+    state = assemble(model, {"q1": dead + distance}, v=(1.0,))
+    found, expected = (m.forward_dynamics(state) for m in (model, model.plain))
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8 * np.abs(expected).max())
+    found, expected = (m.generalized_forces(state, (1.0,)) for m in (model, model.plain))
+    np.testing.assert_allclose(found, expected, rtol=1e-8)
+
+
+@pytest.mark.parametrize("seed", [6, 8, 10])
+def test_inverse_dynamics_beside_a_singularity_of_the_basis(seed: int) -> None:
+    """Mr goes through the rates of the basis twice: its digits are lost with the square of the condition of P."""
+    model = build(derive(three_prs()))
+    basis = model.in_chart(model.basis)
+    v, v_dot = np.array([0.3, -0.2, 0.4]), np.array([1.0, -2.0, 0.5])
+
+    def delta(q: np.ndarray) -> float:
+        return float(basis.evaluate("kinematics", q, v)[3])
+
+    rng = np.random.default_rng(seed)
+    one, two = assemble(model, {}).q + rng.uniform(-0.3, 0.3, 12), rng.uniform(-1, 1, 12)
+    while delta(one) * delta(two) > 0:
+        two = rng.uniform(-1, 1, 12)
+    for _ in range(60):
+        middle = (one + two) / 2
+        one, two = (middle, two) if delta(middle) * delta(two) < 0 else (one, middle)
+    direction = rng.uniform(-1, 1, 12)
+    for distance in (1e-7, 1e-6, 1e-5, 1e-4, 1e-3):
+        state = model.trusted_state(one + distance * direction, v)
+        found, expected = (m.generalized_forces(state, v_dot) for m in (model, model.plain))
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8 * np.abs(expected).max())
 
 
 def test_a_basis_that_is_none_is_refused_by_name() -> None:

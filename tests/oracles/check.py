@@ -111,7 +111,9 @@ def dynamics(found: Quantities, sample: Sample) -> None:
 
 
 def routines(found: Quantities, sample: Sample) -> None:
-    """What routines repeat of the named outputs, and spread: |N|^2 of the dependent rows, |W|^2 |P^-1|^2 in a basis."""
+    """What routines repeat of the named outputs, and spread: |N|^2 of the dependent rows; |W|^2 |P^-1|^2 in a basis
+    and those of W.
+    """
     for routine, outputs in (
         ("closure", ("Phi", "A")),
         ("rows", ("A",)),
@@ -131,10 +133,11 @@ def routines(found: Quantities, sample: Sample) -> None:
     W = N @ np.linalg.inv(transfer)
     size, Mr = (W**2).T @ np.diag(M), W.T @ M @ W
     for routine in ("forward_dynamics", "inverse_dynamics"):
-        close(found[f"{routine}.spread"], (W**2).sum() * (transfer**2).sum(), f"{routine}: spread")
+        spread = (W**2).sum() * (transfer**2).sum() + (W**2).sum() - len(transfer)
+        close(found[f"{routine}.spread"], spread, f"{routine}: spread")
     pivots = np.diag(np.linalg.cholesky(Mr)) ** 2
-    close(found["forward_dynamics.loss"], (size / pivots).sum(), "forward_dynamics: loss")
-    close(found["inverse_dynamics.loss"], (size / np.diag(Mr)).sum(), "inverse_dynamics: loss")
+    for routine in ("forward_dynamics", "inverse_dynamics"):
+        close(found[f"{routine}.loss"], (size / pivots).sum(), f"{routine}: loss")
 
 
 def power(found: Quantities, sample: Sample) -> None:
