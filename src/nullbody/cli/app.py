@@ -12,7 +12,7 @@ from nullbody import __version__
 from nullbody.cli.bench import bench
 from nullbody.cli.cache import cache
 from nullbody.cli.derive import derive
-from nullbody.cli.export import c
+from nullbody.cli.export_c import c
 from nullbody.cli.export_fmu import fmu
 from nullbody.cli.inverse import inverse
 from nullbody.cli.models import models
@@ -74,7 +74,7 @@ def nullbody(
 ) -> None:
     """Smallest equations of motion of closed-loop mechanisms, and what they are good for.
 
-    Every command takes --json, for output that programs read, and --help, with examples.
+    Every command takes --json, for output that programs read (bench: into a file), and --help, with examples.
     """
 
 
