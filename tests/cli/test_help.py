@@ -12,6 +12,8 @@ import pytest
 
 from nullbody import __version__, report
 from nullbody import bench as benchmark
+from nullbody.bench import speed
+from tests.bench.test_speed import SMALL
 from tests.cli.help import NAMES, help_texts
 
 GOLDEN = help_texts()
@@ -42,6 +44,8 @@ def test_example_works(nullbody, monkeypatch: pytest.MonkeyPatch, example: str) 
     if example.startswith("bench"):  # likewise
         measured = benchmark.bench_null_space
         monkeypatch.setattr(benchmark, "bench_null_space", lambda settings, step: measured(NOTHING, step))
+        timed = speed.bench_speed
+        monkeypatch.setattr(speed, "bench_speed", lambda effort, subjects, step: timed(SMALL, subjects, step))
     if example.startswith("verify") and "multipliers" not in example and not find_spec("mujoco"):
         pytest.skip("needs the extra verify")
     if "--size" in example and not find_spec("ziglang"):

@@ -89,7 +89,11 @@ def test_an_interrupt_leaves_a_file_that_says_so(tmp_path: Path) -> None:
     process = subprocess.Popen([sys.executable, "-c", LONG, str(path)], stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     assert process.stdout.readline() == "ready\n"
-    time.sleep(1.0)
+    limit = time.monotonic() + 60
+    while not any(tmp_path.iterdir()):  # it writes: the simulation has begun
+        assert time.monotonic() < limit
+        time.sleep(0.05)
+    time.sleep(0.5)
     process.send_signal(signal.SIGINT)
     said, _ = process.communicate(timeout=60)
     assert said == "interrupted\n"
