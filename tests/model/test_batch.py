@@ -173,6 +173,7 @@ def test_every_state_has_its_parameters() -> None:
     shared = made.batch.energy(q, v, parameters=np.array(made.replace(M=2.0).values))
     _close(np.stack(shared), np.stack(made.replace(M=2.0).batch.energy(q, v)))
     light = robot().replace(Ixx=0.015)
+    masses = np.linspace(0.5, 1.4, len(q))  # a heavier disc could not have that moment
     assert light.batch.energy(q, v, parameters={"M": masses}).kinetic[0] == pytest.approx(
         light.replace(M=masses[0]).batch.energy(q, v).kinetic[0], rel=1e-14
     )
@@ -350,3 +351,35 @@ def test_where_the_basis_of_the_kernels_is_singular_the_plain_ones_answer() -> N
     again = made.batch.forward_dynamics(q, v, u, singular="nan")
     assert np.isnan(again[2]).all()
     assert np.isfinite(np.delete(again, 2, axis=0)).all()
+
+
+def test_results_go_only_where_they_fit_whatever_the_inputs_drive() -> None:
+    made = model("a01_pendulum")  # more inputs than degrees of freedom: u is made in another way
+    q, v = np.tile(assemble(made, {}).q, (9, 1)), np.ones((9, 1))
+    wanted = made.batch.inverse_dynamics(q, v, v)
+    place = np.zeros((9, 2))
+    assert made.batch.inverse_dynamics(q, v, v, out=place) is place
+    assert np.array_equal(place, wanted)
+    locked = np.zeros((9, 2))
+    locked.flags.writeable = False
+    for out in (np.zeros((9, 2), np.float32), np.zeros((3, 9, 2)), np.zeros((8, 2)), [[0.0] * 2] * 9, locked, 0):
+        with pytest.raises(InputError, match="out must be"):
+            made.batch.inverse_dynamics(q, v, v, out=out)  # type: ignore[arg-type]
+    both = np.zeros(27)
+    with pytest.raises(InputError, match="shares memory"):
+        made.batch.inverse_dynamics(q, v, both[:9].reshape(9, 1), out=both[:18].reshape(9, 2))
+
+
+def test_types_that_make_no_sense_are_named() -> None:
+    batch, (q, v, *_) = robot().batch, states("three_prs")
+    for dtype in ("banana", 3.5, object, np.float16, np.int64, [], ">f8"):
+        with pytest.raises(InputError, match="float64 or float32, not"):
+            batch.residual(q, dtype=dtype)  # type: ignore[arg-type]
+        with pytest.raises(InputError, match="float64 or float32, not"):
+            batch.energy(q, v, dtype=dtype)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="singular must be one of"):
+        batch.velocity(q, v, singular=np.arange(2))  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="independent rate s1 of state 0 must be finite, not inf"):
+        batch.velocity(q, np.full_like(v, 1e200), dtype=np.float32)
+    with pytest.raises(InputError, match="time t must be finite"):
+        batch.velocity(q, v, t=1e200, dtype=np.float32)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nullbody import Equations, catalog, derive
+from nullbody import Equations, InputError, catalog, derive
 from nullbody.equations import flat
 from nullbody.expr import calculus, jacobian, operations
 from nullbody.kernels import interpret
@@ -194,3 +194,12 @@ def test_a_planted_sign_error_is_caught(operation: str, monkeypatch: pytest.Monk
     values = interpret(program, *at.groups("forward_dynamics"))
     with pytest.raises(AssertionError):
         agree(dict(zip((key for key, _ in program.outputs), values, strict=True))["q_ddot_q"], expected["q"])
+
+
+def test_arguments_that_make_no_sense_are_named() -> None:
+    derivatives = case("four_bar").model.derivatives
+    for parameters in ([], "no", None, 1):
+        with pytest.raises(InputError, match="parameters must be True or False"):
+            derivatives.rate(case("four_bar").state, parameters=parameters)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"there is no parameter \[\]"):
+        derivatives.following([])  # type: ignore[arg-type]

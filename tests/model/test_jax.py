@@ -173,3 +173,28 @@ def test_jax_is_imported_only_when_asked_for() -> None:
     program = "import sys, nullbody, nullbody.model; print('jax' in sys.modules, 'casadi' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["False", "False"]
+
+
+def test_what_is_no_real_number_is_named() -> None:
+    _, made, (q, v, *_) = functions("three_prs")
+    for arguments, says in (
+        ((q * 1j, v), "rate: q must hold real numbers, not complex128"),
+        ((q, v > 0), "rate: v must hold real numbers, not bool"),
+        ((q, v, None, np.zeros(3)), r"rate: t must have the shape \(1,\), not \(3,\)"),
+        ((q, v, None, "noon"), "rate: t is no array of numbers"),
+        ((None, v), "rate: q is no array of numbers"),
+        ((q, v, None, 0.0, {"g": 9.81}), "rate: p is no array of numbers"),
+    ):
+        with pytest.raises(InputError, match=says):
+            made.rate(*arguments)
+
+
+def test_vmap_takes_groups_without_numbers() -> None:
+    at, made, (q, v, u, t, p) = functions("drive")  # no degree of freedom, no inputs, no parameters
+    assert not len(v) + len(u) + len(p)
+    none = np.zeros((3, 0))
+    found = jax.vmap(made.rate, (None, 0, 0, None, 0))(q, none, none, t, none)
+    assert np.array_equal(found, np.tile(made.rate(q, v, u, t, p), (3, 1)))
+    slopes = jax.vmap(jax.jacfwd(made.rate), (None, 0, 0, None, 0))(q, none, none, t, none)
+    expected = at.model.derivatives.rate(at.state).A[:, : len(q)]
+    np.testing.assert_allclose(slopes, np.tile(expected, (3, 1, 1)), rtol=1e-12, atol=1e-12)

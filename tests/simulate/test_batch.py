@@ -272,6 +272,9 @@ def test_starts_that_make_no_sense_are_named() -> None:
         ((q, v), [0, 1, 1], {}, InputError, "increasing times"),
         ((q, v), [0, np.nan], {}, InputError, "increasing times"),
         ((q, v), "later", {}, InputError, "increasing times"),
+        ((q, v), "0.01", {}, InputError, "increasing times"),
+        ((q, v), True, {}, InputError, "increasing times"),
+        ((q, v), np.array([0, 0.01 + 1j]), {}, InputError, "increasing times"),
         ((q, v), 1.0, {"step": 0}, InputError, "step must be positive"),
         ((q, v), 1.0, {"step": "x"}, InputError, "step must be a number"),
         ((q, v), 1.0, {"rtol": 1e-20}, InputError, "rtol = 1e-20 must be within"),
@@ -353,3 +356,17 @@ def test_results_are_read_only() -> None:
         assert not array.flags.writeable
     with pytest.raises(AttributeError):
         found.t = np.zeros(3)  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("step", [0.002, None])
+def test_a_robot_may_use_all_its_steps_and_no_more(step: float | None) -> None:
+    made, (q, v) = robot(), starts(count=1)
+    whole = simulate_batch(made, (q, v), 0.02, step=step)
+    used = int(whole.accepted[0] + whole.refused[0])
+    enough = simulate_batch(made, (q, v), 0.02, step=step, max_steps=used)
+    assert enough.completed.all()
+    assert np.array_equal(enough.q, whole.q)
+    less = simulate_batch(made, (q, v), 0.02, step=step, max_steps=used - 1)
+    assert less.counts() == {Outcome.TOO_MANY_STEPS: 1}
+    assert less.accepted[0] + less.refused[0] == used - 1
+    assert less.ended[0] < 0.02

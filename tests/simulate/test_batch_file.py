@@ -162,10 +162,15 @@ def test_a_killed_process_leaves_nothing_in_place_of_the_file(tmp_path: Path) ->
     assert not draft.exists()
 
 
-@pytest.mark.parametrize("name", ["motions.csv", "nowhere/motions.nc", "."])
+@pytest.mark.parametrize("name", ["motions.csv", "nowhere/motions.nc", ".", "x" * 300 + ".nc", "a\0b.nc"])
 def test_files_that_cannot_be_written_are_named_before_the_work(name: str, tmp_path: Path) -> None:
     with pytest.raises(OutputError, match="cannot be written"):
         simulate_batch(robot(), starts(), 1e9, to=tmp_path / name)
     assert list(tmp_path.iterdir()) == []
     with pytest.raises(OutputError, match="must be the path"):
         simulate_batch(robot(), starts(), 1e9, to=3)
+
+
+def test_a_home_that_is_not_known_is_named() -> None:
+    with pytest.raises(OutputError, match="cannot be written"):
+        simulate_batch(robot(), starts(), 1e9, to="~nobody-of-this-name/run.nc")

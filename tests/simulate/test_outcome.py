@@ -191,3 +191,33 @@ def test_dead_centre_is_passed() -> None:
     other = simulate(crank, crank.state(start.q, [model.velocity(start)[1]]), 2.0, samples=found.t)
     assert found.statistics.switches >= 1
     np.testing.assert_allclose(found.q, other.q, atol=1e-7)
+
+
+@pytest.mark.parametrize("method", ["explicit", "stiff"])
+@pytest.mark.parametrize("good", [0, 1, 5, 50])
+def test_controller_that_is_singular_from_some_call_on(method: str, good: int) -> None:
+    calls = iter(range(10**6))
+
+    def u(t: float, x: object) -> list[float]:
+        if next(calls) >= good:
+            raise SingularityError("the controller's model")
+        return [0.0, 0.0, 0.0]
+
+    found = simulate(robot(), upright(robot()), 1.0, u=u, rtol=1e-6, method=method, throw=False)
+    assert found.outcome is Outcome.SINGULAR_INDEPENDENT_SET
+    assert np.isfinite(found.q).all()
+
+
+@pytest.mark.parametrize("good", [1, 5])
+def test_stiff_motion_whose_input_is_finite_at_the_start_only(good: int) -> None:
+    calls = iter(range(10**6))
+    found = simulate(
+        robot(),
+        upright(robot()),
+        1.0,
+        u=lambda t, x: [0.0 if next(calls) < good else np.nan, 0.0, 0.0],
+        method="stiff",
+        throw=False,
+    )
+    assert found.outcome is Outcome.NOT_FINITE
+    assert found.t[-1] == 0.0

@@ -318,3 +318,21 @@ def test_a_motion_goes_on_where_the_basis_of_the_kernels_is_singular(switch: boo
         assert found.outcome.ok
         assert expected.outcome.ok
         np.testing.assert_allclose(found.q[-1], expected.q[-1], atol=1e-8)
+
+
+def test_dense_output_is_finite_where_its_further_stages_are_refused() -> None:
+    refused = False
+    made = stepper(lambda t, y: np.full(2, np.nan) if refused else pendulum(t, y), [1.0, 0.5], 1.0, first_step=1e-3)
+    made.step()
+    refused = True
+    y = made.dense_output()
+    np.testing.assert_allclose(y(made.t), made.y, rtol=1e-15)
+    middle = stepper(pendulum, [1.0, 0.5], made.t / 2, first_step=made.t / 2)
+    middle.step()
+    np.testing.assert_allclose(y(middle.t), middle.y, rtol=1e-12)  # a cubic is off by h^4 / 384 y''''
+
+
+def test_a_start_where_the_rate_is_refused_fails_at_once() -> None:
+    made = stepper(lambda t, y: np.full(2, np.nan), [1.0, 0.5], 1.0)
+    assert made.step()
+    assert made.status == "failed"

@@ -20,11 +20,11 @@ from nullbody.typing import Scalar
 if TYPE_CHECKING:
     from nullbody.mechanism.mechanism import Mechanism
 
-__all__ = ["check_mechanism", "check_values"]
+__all__ = ["INERTIA_SLACK", "check_mechanism", "check_values"]
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _RESERVED = {"pi", "sqrt", "sin", "cos", "tan", "t", GROUND}
-_INERTIA_SLACK = 1e-9  # relative; a disc or a rod meets the triangle inequality with equality, up to rounding
+INERTIA_SLACK = 1e-9  # relative; a disc or a rod meets the triangle inequality with equality, up to rounding
 
 
 def check_mechanism(mechanism: Mechanism) -> None:
@@ -240,7 +240,7 @@ def _check_physical(body: Body, values: Mapping[str, float]) -> None:
     if mass < 0:
         raise ParameterError(f"body {body.name!r} would have the mass {mass:g} kg")
     moments = np.linalg.eigvalsh(matrix)
-    slack = _INERTIA_SLACK * float(np.abs(moments).max())
+    slack = INERTIA_SLACK * float(np.abs(moments).max())
     if moments[0] < -slack or moments[2] > moments[0] + moments[1] + slack:
         shown = ", ".join(f"{moment:.6g}" for moment in moments)
         raise ParameterError(

@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from nullbody.errors import InputError, SingularityError
 from nullbody.model.actuation import required
 from nullbody.model.batch_assembly import Assemblies, closed_by_newton
-from nullbody.model.batch_check import limits_of, refuse, singular_dynamics, singular_kinematics
-from nullbody.model.batch_inputs import moments, parameter_rows, rows
+from nullbody.model.batch_bodies import checked_parameters
+from nullbody.model.batch_check import dtype_of, limits_of, refuse, singular_dynamics, singular_kinematics
+from nullbody.model.batch_inputs import moments, room, rows
 from nullbody.typing import FloatArray, IndexArray
 
 if TYPE_CHECKING:
@@ -70,7 +71,7 @@ class BatchCall:
             raise InputError(f"there is no option {unknown[0]!r}; known: {', '.join(BatchOptions.__annotations__)}")
         self.model, self.dtype, self.states = model, dtype, states
         self.threads, self.singular = options.get("threads"), options.get("singular", "raise")
-        self.p = parameter_rows(model, options.get("parameters"), states, dtype)
+        self.p = checked_parameters(model, options.get("parameters"), states).astype(dtype, copy=False)
         self.t = moments(options.get("t", 0.0), states, dtype)
 
     def of(self, model: Model, lanes: IndexArray) -> BatchCall:
@@ -210,11 +211,12 @@ class Batch:
         if set(model.actuated_columns) <= set(model.independent_columns) and nu == nv:  # Br only sorts the inputs
             (u, delta), wrong = _dynamics(call, "inverse_dynamics", ("u",), groups, out)
         else:
+            place = None if out is None else room(out, (len(q), nu), call.dtype, groups)
             (Qr, u, Br, delta), wrong = _dynamics(call, "inverse_dynamics", ("Qr", "u", "Br"), groups)
             u = self._required(call, q, v, (Qr, u, Br.reshape(len(q), nv, nu)), wrong)
-            if out is not None:
-                out[...] = u
-                u = out
+            if place is not None:
+                place[...] = u
+                u = place
         refuse(wrong, call.singular, "the mechanism is singular, or its inputs cannot drive it, in", delta, u)
         return u
 
@@ -280,7 +282,7 @@ class Batch:
         Raises:
             InputError: wrong shapes or types, or values that are not finite.
         """
-        dtype = np.dtype(options.get("dtype", np.float64))
+        dtype = dtype_of(options.get("dtype", np.float64))
         q = rows(q, self.model.coordinates, "coordinate", dtype)
         return BatchCall(self.model, options, len(q), dtype)("closure", ("Phi",), q)[0]
 
@@ -315,8 +317,7 @@ class Batch:
         self, q: ArrayLike, v: ArrayLike | None, options: BatchOptions
     ) -> tuple[NDArray[Any], NDArray[Any], BatchCall]:
         """q and v, checked, and the call."""
-        model, dtype = self.model, np.dtype(options.get("dtype", np.float64))
-        limits_of(dtype)
+        model, dtype = self.model, dtype_of(options.get("dtype", np.float64))
         position = rows(q, model.coordinates, "coordinate", dtype)
         if v is None:
             return position, np.zeros(len(model.independent), dtype), BatchCall(model, options, len(position), dtype)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from nullbody.errors import InputError, SingularityError
 from nullbody.tolerances import REGULAR_DOUBT, REGULAR_LOSS, REGULAR_SPREAD, SINGLE_DOUBT, SINGLE_LOSS, SINGLE_SPREAD
 
-__all__ = ["SINGULAR", "Limits", "limits_of", "refuse", "singular_dynamics", "singular_kinematics"]
+__all__ = ["SINGULAR", "Limits", "dtype_of", "limits_of", "refuse", "singular_dynamics", "singular_kinematics"]
 
 #: What to do with singular states.
 SINGULAR = ("raise", "nan")
@@ -41,6 +41,20 @@ _LIMITS = {
     np.dtype(np.float64): Limits(REGULAR_SPREAD, REGULAR_DOUBT, REGULAR_LOSS),
     np.dtype(np.float32): Limits(SINGLE_SPREAD, SINGLE_DOUBT, SINGLE_LOSS),
 }
+
+
+def dtype_of(given: object) -> np.dtype[Any]:
+    """The type of numbers asked for.
+
+    Raises:
+        InputError: neither float64 nor float32.
+    """
+    try:
+        dtype = np.dtype(given)  # type: ignore[call-overload]
+    except (TypeError, ValueError):
+        raise InputError(f"batches are float64 or float32, not {given!r:.80}") from None
+    limits_of(dtype)
+    return dtype
 
 
 def limits_of(dtype: np.dtype[Any]) -> Limits:
@@ -80,7 +94,7 @@ def refuse(wrong: NDArray[np.bool_], singular: object, what: str, delta: NDArray
         SingularityError: says how many and which is the first.
         InputError: `singular` is neither "raise" nor "nan".
     """
-    if singular not in SINGULAR:
+    if not isinstance(singular, str) or singular not in SINGULAR:
         raise InputError(f"singular must be one of {', '.join(map(repr, SINGULAR))}, not {singular!r}")
     if not wrong.any():
         return

@@ -15,9 +15,9 @@ from nullbody.typing import FloatArray
 if TYPE_CHECKING:
     from nullbody.model.model import Model
 
-__all__ = ["moments", "parameter_rows", "rows"]
+__all__ = ["ARRAY_FUNCTIONS", "moments", "numbers", "parameter_rows", "room", "rows"]
 
-_FUNCTIONS = {"sqrt": np.sqrt, "sin": np.sin, "cos": np.cos, "tan": np.tan}
+ARRAY_FUNCTIONS = {"sqrt": np.sqrt, "sin": np.sin, "cos": np.cos, "tan": np.tan}
 
 
 def rows(values: object, names: tuple[str, ...], kind: str, dtype: np.dtype[Any], *, one: bool = False) -> NDArray[Any]:
@@ -26,18 +26,33 @@ def rows(values: object, names: tuple[str, ...], kind: str, dtype: np.dtype[Any]
     Raises:
         InputError: another shape, no numbers, or values that are not finite: names the first state and the entry.
     """
-    array = _numbers(values, kind)
+    array = numbers(values, kind)
     if array.ndim not in ((1, 2) if one else (2,)) or array.shape[-1] != len(names):
         raise InputError(
             f"{kind} values of a batch are an array (states, {len(names)}){f' or ({len(names)},)' if one else ''} in "
             f"the order {', '.join(names) or 'of none'}, not one of shape {array.shape}"
         )
-    array = array.astype(dtype, copy=False)
     with np.errstate(over="ignore", invalid="ignore"):
+        array = array.astype(dtype, copy=False)
         total = array.sum()  # one pass without memory; where it overflows there is a closer look
     if not np.isfinite(total):
         _finite(array, names, kind)
     return array
+
+
+def room(out: object, shape: tuple[int, ...], dtype: np.dtype[Any], given: tuple[NDArray[Any], ...]) -> NDArray[Any]:
+    """An array for results, checked before any work.
+
+    Raises:
+        InputError: another shape or type, not contiguous, not writeable, or it shares memory with what is given.
+    """
+    if type(out) is not np.ndarray or out.shape != shape or out.dtype != dtype:
+        raise InputError(f"out must be a {dtype} array {shape}")
+    if not (out.flags.c_contiguous and out.flags.aligned and out.flags.writeable):
+        raise InputError("out must be contiguous and writeable")
+    if any(np.may_share_memory(out, array) for array in given):
+        raise InputError("out shares memory with another array")
+    return out
 
 
 def moments(t: object, states: int, dtype: np.dtype[Any]) -> NDArray[Any]:
@@ -46,7 +61,8 @@ def moments(t: object, states: int, dtype: np.dtype[Any]) -> NDArray[Any]:
     Raises:
         InputError: neither a number nor one for each state, or not finite.
     """
-    array = _numbers(t, "time").astype(dtype, copy=False)
+    with np.errstate(over="ignore"):
+        array = numbers(t, "time").astype(dtype, copy=False)
     if array.shape not in ((), (states,)):
         raise InputError(f"the time t is a number or an array ({states},), not one of shape {array.shape}")
     if not np.isfinite(array).all():
@@ -95,7 +111,7 @@ def _by_name(model: Model, given: Mapping[object, object], states: int) -> Float
     for name, value in given.items():
         if name not in names:
             raise UnknownName("parameter", name, names)
-        array = _numbers(value, f"parameter {name}").astype(np.float64)
+        array = numbers(value, f"parameter {name}").astype(np.float64)
         if array.shape not in ((), (states,)):
             raise InputError(f"parameter {name} is a number or an array ({states},), not one of shape {array.shape}")
         values[str(name)] = array
@@ -104,7 +120,7 @@ def _by_name(model: Model, given: Mapping[object, object], states: int) -> Float
     def known(name: str) -> Any:
         if name not in values:
             default = model.given.get(name, table[name].default)
-            values[name] = np.asarray(parse(default, known, functions=_FUNCTIONS), dtype=np.float64)
+            values[name] = np.asarray(parse(default, known, functions=ARRAY_FUNCTIONS), dtype=np.float64)
         return values[name]
 
     with np.errstate(all="ignore"):
@@ -114,7 +130,12 @@ def _by_name(model: Model, given: Mapping[object, object], states: int) -> Float
     return array
 
 
-def _numbers(values: object, kind: str) -> NDArray[Any]:
+def numbers(values: object, kind: str) -> NDArray[Any]:
+    """Values as an array of any shape.
+
+    Raises:
+        InputError: they are no real numbers.
+    """
     try:
         array = np.asarray(values)
     except (TypeError, ValueError) as error:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nullbody.equations.scalar import ParameterScalars
-from nullbody.errors import UnknownName
+from nullbody.errors import InputError, UnknownName
 from nullbody.expr import Graph, Tape, jacobian
 from nullbody.kernels import Kernel
 from nullbody.model.actuation import required
@@ -165,7 +165,7 @@ class Derivatives:
         """
         parameters = {parameter.name: parameter for parameter in self.model.mechanism.parameters}
         for name in names:
-            if name not in parameters:
+            if name not in tuple(parameters):
                 raise UnknownName("parameter", name, parameters)
         graph = Graph()
         symbols = [graph.symbol(name) for name in parameters]
@@ -187,10 +187,13 @@ class Derivatives:
 
         Raises:
             UnknownName: there is no such kind.
+            InputError: `parameters` is neither True nor False.
         """
         kinds = ("rate", "forward_dynamics", "inverse_dynamics")
         if kind not in kinds:
             raise UnknownName("kind of derivatives", kind, kinds)
+        if not isinstance(parameters, bool):
+            raise InputError(f"parameters must be True or False, not {parameters!r:.80}")
         model = self.model
         return jacobian_kernel(Key(model.mechanism), model.independent, model.labels, kind, parameters)
 

@@ -138,23 +138,30 @@ def _function(jax: Any, native: _Native) -> Callable[..., Any]:
 
     def function(q: Any, v: Any, third: Any = None, t: Any = 0.0, p: Any = None) -> Any:
         _check_precision(jax)
-        p = native.model.values if p is None else p
-        given = {"q": q, "v": v, "t": jnp.reshape(t, (1,)), "p": p}
-        if third is None:
-            third = np.zeros(dict(native.groups).get("u", 0))
-        groups = []
-        for name, size in native.groups:
-            array = jnp.asarray(given.get(name, third), dtype=np.float64)
-            if array.shape != (size,):
-                raise InputError(
-                    f"{native.kind}: {name} must have the shape ({size},), not {array.shape}; "
-                    "jax.vmap takes many states"
-                )
-            groups.append(array)
-        return primal(*groups)
+        sizes = {"t": 1, **dict(native.groups)}
+        name = "v_dot" if native.inverse else "u"
+        third = np.zeros(sizes.get("u", 0)) if third is None else third
+        given = {"q": q, "v": v, name: third, "t": t, "p": native.model.values if p is None else p}
+        groups = {key: _argument(jnp, native.kind, key, value, sizes[key]) for key, value in given.items()}
+        return primal(*(groups[key] for key, _ in native.groups))
 
     function.__name__ = native.kind
     return function
+
+
+def _argument(jnp: Any, kind: Kind, name: str, value: Any, size: int) -> Any:
+    """An argument as an array (size,) in float64; t may be a number."""
+    try:
+        array = jnp.asarray(value)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{kind}: {name} is no array of numbers: {error!s:.200}") from None
+    if not (jnp.issubdtype(array.dtype, jnp.integer) or jnp.issubdtype(array.dtype, jnp.floating)):
+        raise InputError(f"{kind}: {name} must hold real numbers, not {array.dtype}")
+    if name == "t" and array.shape == ():
+        array = array.reshape(1)
+    if array.shape != (size,):
+        raise InputError(f"{kind}: {name} must have the shape ({size},), not {array.shape}; jax.vmap takes many states")
+    return array.astype(np.float64)
 
 
 def _evaluated(kernel: Kernel, groups: Sequence[Any]) -> Values:
@@ -174,7 +181,7 @@ def _rows(array: FloatArray, batch: tuple[int, ...]) -> FloatArray:
     size = array.shape[-1]
     if prod(array.shape[:-1]) == 1:
         return array.reshape(size)
-    return np.broadcast_to(array, (*batch, size)).reshape(-1, size)
+    return np.broadcast_to(array, (*batch, size)).reshape(prod(batch), size)
 
 
 def _refused(found: Values, *arrays: Any) -> tuple[FloatArray, ...]:

@@ -15,7 +15,8 @@ from nullbody.errors import AssemblyError, InputError, StateError, UnknownName
 from nullbody.kernels.threads import thread_count
 from nullbody.model import Model, State, checked_model
 from nullbody.model.batch import BatchCall
-from nullbody.model.batch_inputs import parameter_rows, rows
+from nullbody.model.batch_bodies import checked_parameters
+from nullbody.model.batch_inputs import numbers, rows
 from nullbody.simulate.batch_file import BatchFile, checked_path
 from nullbody.simulate.batch_fleet import BatchSettings
 from nullbody.simulate.batch_result import BatchStatistics, BatchTrajectory, checked_times
@@ -92,8 +93,8 @@ def simulate_batch(
     chosen = _options(options)
     q, v, start = _states(model, states)
     times = checked_times(t, start if chosen["t0"] is None else chosen["t0"])
-    settings = _settings(chosen, step, rtol)
-    parameters = parameter_rows(model, chosen["parameters"], len(q), _FLOAT)
+    settings = _countable(_settings(chosen, step, rtol), times)
+    parameters = checked_parameters(model, chosen["parameters"], len(q))
     inputs = _inputs(model, u, len(q), len(times) - 1)
     _closed(model, q, float(times[0]), parameters)
     results = _Results(model, times, len(q), chosen["to"])
@@ -216,7 +217,8 @@ def _number(name: str, value: object) -> float:
 
 
 def _settings(chosen: dict[str, Any], step: float | None, rtol: float) -> BatchSettings:
-    atol = 0.01 * _number("rtol", rtol) if chosen["atol"] is None else _number("atol", chosen["atol"])
+    rtol = _number("rtol", rtol)
+    atol = 0.01 * rtol if chosen["atol"] is None else _number("atol", chosen["atol"])
     numbers = {"atol": atol, "hold": _number("hold", chosen["hold"])}
     if step is not None:
         numbers["step"] = _number("step", step)
@@ -228,7 +230,7 @@ def _settings(chosen: dict[str, Any], step: float | None, rtol: float) -> BatchS
     threads = thread_count(chosen["threads"])
     return BatchSettings(
         None if step is None else float(step),
-        float(rtol),
+        rtol,
         atol,
         chosen["projection"],
         chosen["switch"],
@@ -236,6 +238,31 @@ def _settings(chosen: dict[str, Any], step: float | None, rtol: float) -> BatchS
         int(chosen["max_steps"]),
         threads,
     )
+
+
+def _countable(settings: BatchSettings, times: FloatArray) -> BatchSettings:
+    """The settings, unless fixed steps are lost in the rounding of the time or inputs evaluated without end.
+
+    Raises:
+        InputError: step or hold is too small for the times.
+    """
+    length = np.diff(times)
+    with np.errstate(over="ignore"):
+        if settings.step is not None:
+            count = np.maximum(np.ceil(length / settings.step), 1.0)
+            lost = count * np.spacing(np.abs(times).max())  # the sum of the steps may be as far from the time
+            if (lost > 0.25 * length / count).any():
+                raise InputError(
+                    f"step = {settings.step:g} s is too small for times up to {np.abs(times).max():g} s: the rounding "
+                    "of the time adds up to a step within an interval. Take longer steps or more results"
+                )
+        most = float((length / settings.hold).max())
+    if most > settings.max_steps:
+        raise InputError(
+            f"hold = {settings.hold:g} s needs {most:.3g} steps between two results, more than max_steps = "
+            f"{settings.max_steps}. Hold the inputs longer"
+        )
+    return settings
 
 
 def _states(model: Model, states: Any) -> tuple[FloatArray, FloatArray, float]:
@@ -287,19 +314,18 @@ def _inputs(model: Model, u: Any, robots: int, intervals: int) -> Inputs:
     """u as a function of the interval."""
     nu = len(model.inputs)
     if callable(u):
-        return lambda interval, t, q, v: np.asarray(u(t, q, v), dtype=np.float64)
-    given = np.zeros(nu) if u is None else u
-    array = np.asarray(given)
+        return lambda interval, t, q, v: numbers(u(t, q, v), f"at t = {t:g} s u(t, q, v):").astype(_FLOAT, copy=False)
+    array = numbers(np.zeros(nu) if u is None else u, "input")
     if array.ndim == 3:
-        if array.shape[0] != intervals or array.shape[1] not in (1, robots):
+        if array.shape[0] != intervals or array.shape[1] not in (1, robots) or array.shape[2] != nu:
             raise InputError(
                 f"u for each interval is an array ({intervals} intervals, {robots} robots or 1, {nu}), not one of "
                 f"shape {array.shape}"
             )
-        flat = rows(array.reshape(-1, array.shape[-1]), model.inputs, "input", _FLOAT)
+        flat = rows(array.reshape(array.shape[0] * array.shape[1], nu), model.inputs, "input", _FLOAT)
         each = np.broadcast_to(flat.reshape(array.shape), (intervals, robots, nu))
         return lambda interval, t, q, v: each[interval]
-    constant = rows(given, model.inputs, "input", _FLOAT, one=True)
+    constant = rows(array, model.inputs, "input", _FLOAT, one=True)
     if constant.ndim == 2 and len(constant) != robots:
         raise InputError(f"there are {robots} robots, but inputs for {len(constant)}")
     return lambda interval, t, q, v: constant

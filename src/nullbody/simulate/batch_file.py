@@ -36,7 +36,13 @@ def checked_path(to: object) -> Path:
     """
     if not isinstance(to, str | os.PathLike):
         raise OutputError(f"to must be the path of a file that ends in .nc, not {to!r:.80}")
-    path = Path(to).expanduser()
+    try:
+        path = Path(to).expanduser()
+        path.with_name(path.name + ".part").is_file()
+    except (OSError, RuntimeError, ValueError) as error:  # a name that is too long, a home that is not known
+        raise OutputError(f"{os.fspath(to)!r:.80} cannot be written: {error!s:.80}. {_ADVICE}") from None
+    if "\0" in str(path):
+        raise OutputError(f"{os.fspath(to)!r:.80} cannot be written: the name has a null character")
     if path.suffix.lower() != ".nc" or path.is_dir():
         raise OutputError(f"{path} cannot be written: it must be a file whose name ends in .nc")
     if not (path.parent.is_dir() and os.access(path.parent, os.W_OK | os.X_OK)):

@@ -251,25 +251,25 @@ class Fleet:
         lanes, here = self.lanes, slice(*part)
         count = max(1, int(np.ceil((end - begin) / (self.settings.step or end - begin) - EPS**0.5)))
         h = (end - begin) / count
-        for done in range(0, count, _STEPS):
-            self.march.fixed(lanes, end, h, min(_STEPS, count - done), self.settings.threads, part)
-            self._limited(part)
+        while steps := self._allowed(end - 0.5 * h, part):
+            self.march.fixed(lanes, end, h, steps, self.settings.threads, part)
         arrived = (lanes.status[here] == 0) | (np.abs(lanes.time[here] - end) < 0.5 * h)
         lanes.time[here][arrived] = end  # sums of steps differ from it by rounding
 
     def _adaptive(self, begin: float, end: float, part: tuple[int, int]) -> None:
-        lanes, settings, here = self.lanes, self.settings, slice(*part)
+        settings = self.settings
         least = 16 * EPS * max(abs(begin), abs(end), end - begin)
         tolerances = settings.rtol, settings.atol
-        while ((lanes.status[here] == 0) & (lanes.time[here] < end)).any():
-            self.march.adaptive(lanes, end, tolerances, min(_STEPS, settings.max_steps), least, settings.threads, part)
-            self._limited(part)
+        while attempts := self._allowed(end, part):
+            self.march.adaptive(self.lanes, end, tolerances, attempts, least, settings.threads, part)
 
-    def _limited(self, part: tuple[int, int]) -> None:
-        """Stop robots of some blocks that have made as many steps as they may."""
+    def _allowed(self, end: float, part: tuple[int, int]) -> int:
+        """How many steps of robots that are not at the end may come next; those that have made all they may stop."""
         lanes, here = self.lanes, slice(*part)
-        tried = lanes.accepted[here] + lanes.refused[here]
-        lanes.status[here][(lanes.status[here] == 0) & (tried >= self.settings.max_steps)] = CODES["many"]
+        going = (lanes.status[here] == 0) & (lanes.time[here] < end)
+        left = self.settings.max_steps - lanes.accepted[here] - lanes.refused[here]
+        lanes.status[here][going & (left <= 0)] = CODES["many"]
+        return min(_STEPS, int(left[going & (left > 0)].min(initial=_STEPS))) if (going & (left > 0)).any() else 0
 
     # -- at a result ----------------------------------------------------------------------------------------
 

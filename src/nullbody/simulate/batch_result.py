@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from nullbody.errors import InputError, UnknownName
 from nullbody.model import Model, State
+from nullbody.model.batch_inputs import numbers
 from nullbody.simulate.outcome import Outcome
 from nullbody.typing import FloatArray
 
@@ -194,8 +195,8 @@ def checked_times(t: object, start: float) -> FloatArray:
         InputError: they do not increase, are not finite, or there is but one.
     """
     try:
-        times = np.array(t, dtype=np.float64)
-    except (TypeError, ValueError):
+        times = numbers(t, "time").astype(np.float64)
+    except InputError:
         times = np.array(np.nan)
     if times.ndim == 0:
         times = np.array([start, float(times)])

@@ -243,6 +243,8 @@ class Integration:
     def _after_failure(self, run: Run, solver: Any, t1: float, message: str) -> Any:
         """Another chart where that helps; otherwise the name of what stopped it."""
         t, motion, y = run.knots[-1]
+        if motion.refused is None:
+            motion.rate(t, y)  # which notes why, where y' is refused here already
         if self.settings.switch and motion.refused not in (Outcome.NOT_FINITE, Outcome.SINGULAR_MASS_MATRIX):
             better = self._better(motion.chart, y[: motion.nq], t, forced=True)
             if better is not motion.chart and self._failed < _RETRIES:

@@ -174,7 +174,7 @@ class Stepper:
         h = self._max if self._next > self._max else max(self._next, least)
         limit = _LONGEST
         while True:
-            if h < least:
+            if not h >= least:  # or where y' is refused at the begin already
                 self.status = "failed"
                 return _TOO_SHORT
             t1 = min(t + h, self._end)
@@ -280,11 +280,14 @@ def _arrays() -> tuple[FloatArray, ...]:
 
 
 def coefficients(step: Step, K: FloatArray) -> FloatArray:
-    """F, 7 x n, of dense output, from all 16 stages."""
+    """F, 7 x n, of dense output, from all 16 stages; a cubic where y' is refused at the further ones.
+
+    That happens on steps of a few roundings of t, right before a singularity.
+    """
     F = np.empty((7, K.shape[1]))
     h, change = step.h, step.y1 - step.y
     F[0] = change
     F[1] = h * K[0] - change
     F[2] = 2 * change - h * (K[_STAGES] + K[0])
-    F[3:] = h * (INTERPOLATION @ K)
+    F[3:] = h * (INTERPOLATION @ K) if np.isfinite(K[_STAGES + 1 :]).all() else 0.0
     return F
