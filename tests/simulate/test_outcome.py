@@ -221,3 +221,19 @@ def test_stiff_motion_whose_input_is_finite_at_the_start_only(good: int) -> None
     )
     assert found.outcome is Outcome.NOT_FINITE
     assert found.t[-1] == 0.0
+
+
+@pytest.mark.parametrize("u", [1e150, 1e200, 1e300, -1e308])
+@pytest.mark.parametrize("method", ["explicit", "stiff"])
+def test_forces_beyond_measure_end_by_name(u: float, method: str) -> None:
+    model = robot()
+    start = assemble(model, {"s1": 0.5, "s2": 0.5, "s3": 0.5})
+    found = simulate(model, start, 0.1, u=[u, 0, 0], throw=False, method=method)
+    assert not found.outcome.ok
+
+
+@pytest.mark.parametrize("rate", [1e100, 1e160, 1e200])
+def test_rates_beyond_measure_end_by_name(rate: float) -> None:
+    model = robot()
+    q = assemble(model, {"s1": 0.5, "s2": 0.5, "s3": 0.5}).q
+    assert not simulate(model, model.state(q, [rate, 0, 0]), 0.1, throw=False).outcome.ok

@@ -210,10 +210,13 @@ class Stepper:
         scale = atol + rtol * np.abs(y)
 
         def norm(x: FloatArray) -> float:
-            return float(np.linalg.norm(x / scale)) / len(x) ** 0.5
+            with np.errstate(over="ignore", invalid="ignore"):
+                return float(np.linalg.norm(x / scale)) / len(x) ** 0.5
 
         d0, d1 = norm(y), norm(f)
         h0 = min(1e-6 if d0 < 1e-5 or d1 < 1e-5 else 0.01 * d0 / d1, length)
+        if not h0 > 0:  # y' beyond all doubles: no step is short enough
+            return 0.0
         d2 = norm(self._attempts.rate(t + h0, y + h0 * f) - f) / h0
         h1 = max(1e-6, 1e-3 * h0) if d1 <= 1e-15 and d2 <= 1e-15 else (0.01 / max(d1, d2)) ** (1 / 8)
         return min(100 * h0, h1, length, self._max)
