@@ -70,8 +70,10 @@ def test_a_simulation_that_fails_leaves_a_file_that_says_so(tmp_path: Path) -> N
 
 
 LONG = """
+import signal
 import sys
 import numpy as np
+signal.signal(signal.SIGINT, signal.default_int_handler)  # what runs in the background inherits that it is ignored
 from nullbody import simulate_batch
 from tests.robot import robot
 from tests.simulate.test_batch import starts
