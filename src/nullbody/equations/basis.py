@@ -7,8 +7,8 @@ configuration that was sampled; the ones with which forward_dynamics takes the f
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from nullbody.equations.choice import dependent
@@ -28,7 +28,7 @@ from nullbody.nullspace.given import Given
 from nullbody.nullspace.plan import Plan
 from nullbody.nullspace.steps import sparse_rows
 
-__all__ = ["Terms", "written_in"]
+__all__ = ["Terms", "other_bases", "written_in"]
 
 _ROOM = 0.1  # smallest singular value of Z[w] in every sample: 1 at best, 0 where the basis is singular
 
@@ -41,25 +41,29 @@ class Terms:
         loads: M, h and the power of the loads.
         kept: independent rows of A.
         symbols: of q, v and so on.
+        values: of the parameters, by name.
+        samples: configurations with closed loops.
     """
 
     loads: Loaded
     kept: Closures
     symbols: Symbols
+    values: Mapping[str, float]
+    samples: Sequence[Sample]
 
     def of(self, graph: Graph) -> Terms:
         """The same in a copy of the graph."""
-        return Terms(in_copy(self.loads, graph), in_copy(self.kept, graph), self.symbols.of(graph))
+        loads, kept = in_copy(self.loads, graph), in_copy(self.kept, graph)
+        return replace(self, loads=loads, kept=kept, symbols=self.symbols.of(graph))
 
-    def dynamics(self, basis: tuple[str, ...], samples: Sequence[Sample], witness: int | None = None) -> Dynamics:
+    def dynamics(self, basis: tuple[str, ...], witness: int | None = None) -> Dynamics:
         """The dynamics written in a basis; `witness` as in `Dynamics`.
 
         Raises:
             SingularityError: |B| is identically zero; the message names coordinates that would do.
         """
-        mechanism, A = self.symbols.mechanism, self.kept.A
-        names, columns = mechanism.coordinates, self.symbols.places(basis)
-        sizes = sizes_at(names, [sample.q for sample in samples], mechanism.values())
+        A, names, columns = self.kept.A, self.symbols.groups["q"], self.symbols.places(basis)
+        sizes = sizes_at(names, [sample.q for sample in self.samples], self.values)
         given = Given("expressions", sparse_rows(A), len(names))
         try:
             space = symbolic_null_space(given, columns, plan=Plan(offsets=True, sizes=sizes))
@@ -70,44 +74,45 @@ class Terms:
         return Dynamics(self.loads, self.kept, space, self.symbols, sizes, witness)
 
 
-def written_in(
-    mechanism: Mechanism,
-    terms: Terms,
-    direct: Dynamics,
-    blank: Graph,
-    samples: Sequence[Sample],
-    basis: Sequence[str] | None,
-) -> tuple[tuple[str, ...], dict[str, Routine]]:
-    """The basis, and forward and inverse dynamics written in it.
-
-    Args:
-        mechanism: whose they are.
-        terms: what they are made of.
-        direct: the dynamics written in the independent coordinates.
-        blank: a copy of the graph from before those were written: an expression keeps the form it first had.
-        samples: configurations with closed loops.
-        basis: the one that is wanted; None chooses.
+def other_bases(terms: Terms, basis: Sequence[str] | None) -> list[tuple[str, ...]]:
+    """Bases that are to be written beside the independent coordinates, or instead: the wanted one, or candidates.
 
     Raises:
-        UnknownName, InputError, SingularityError: the wanted basis is none.
+        UnknownName, InputError: the wanted basis is none.
+    """
+    mechanism, independent = terms.symbols.mechanism, terms.symbols.independent
+    if basis is None:
+        return candidates(mechanism, terms.samples, independent)
+    wanted = checked_basis(mechanism, basis, len(independent))
+    return [] if set(wanted) == set(independent) else [wanted]
+
+
+def written_in(
+    direct: Dynamics, others: Mapping[tuple[str, ...], Terms], *, wanted: bool
+) -> tuple[tuple[str, ...], dict[str, Routine]]:
+    """The basis, and forward and inverse dynamics written in it: the one that takes the fewest operations.
+
+    Args:
+        direct: the dynamics written in the independent coordinates.
+        others: by other bases, what the dynamics are made of in a graph of their own, a copy from before `direct` was
+            written: an expression keeps the form it first had.
+        wanted: whether one of the others was asked for.
+
+    Raises:
+        SingularityError: a basis is none.
         MechanismError: a motion moves no mass.
     """
-    independent = terms.symbols.independent
-    wanted = None if basis is None else checked_basis(mechanism, basis, len(independent))
-    routines = direct.routines()
-    if wanted is not None and set(wanted) == set(independent):
-        return independent, routines
-    delta = terms.symbols.zero + direct.space.delta
+    independent = direct.symbols.independent
+    if not others:
+        return independent, direct.routines()
+    delta = direct.symbols.zero + direct.space.delta
     witness = delta.graph.value(delta.ref)
-    found = [(_cost(routines), independent, routines)] if wanted is None else []
-    for names in candidates(mechanism, samples, independent) if wanted is None else [wanted]:
-        graph = blank.copy()
-        routines = terms.of(graph).dynamics(names, samples, witness).routines()
-        found.append((_cost(routines), names, routines))
-    _, chosen, routines = min(found, key=lambda entry: entry[0])
+    written = {} if wanted else {independent: direct.routines()}
+    written |= {names: terms.dynamics(names, witness).routines() for names, terms in others.items()}
+    chosen = min(written, key=lambda names: _cost(written[names]))
     if chosen != independent:
-        _expressions(routines)[0].graph.verify()
-    return chosen, routines
+        _expressions(written[chosen])[0].graph.verify()
+    return chosen, written[chosen]
 
 
 def _cost(routines: dict[str, Routine]) -> int:

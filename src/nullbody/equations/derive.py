@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from nullbody.equations.basis import Terms, written_in
+from nullbody.equations.basis import Terms, other_bases, written_in
 from nullbody.equations.choice import Choice, choose
 from nullbody.equations.closure import Closures, closures
 from nullbody.equations.dynamics import Dynamics
@@ -64,12 +64,13 @@ def derive(
     loads = loaded(mechanism, inertia(mechanism, motion.frames, motion.scalar, q, motion.rates), motion)
     manifold = Manifold(loops, (list(q.values()), motion.time), values, mechanism.home_values(values))
     chart = choose(mechanism, loops, manifold, independent, rows)
-    terms = Terms(loads, loops.kept(chart.rows), Symbols(graph, mechanism, chart.independent))
-    blank = graph.copy()
-    direct = terms.dynamics(chart.independent, manifold.samples)
+    symbols = Symbols(graph, mechanism, chart.independent)
+    terms = Terms(loads, loops.kept(chart.rows), symbols, values, manifold.samples)
+    others = {names: terms.of(graph.copy()) for names in other_bases(terms, basis)}
+    direct = terms.dynamics(chart.independent)
     outputs = {"Phi": [loops.Phi[i] for i in chart.closures], **_outputs(direct)}
     routines = {**_closure_routines(loops, terms.kept, chart), **_routines(direct)}
-    chosen, written = written_in(mechanism, terms, direct, blank, manifold.samples, basis)
+    chosen, written = written_in(direct, others, wanted=basis is not None)
     graph.verify()
     return Equations(
         mechanism=mechanism,
@@ -82,9 +83,9 @@ def derive(
         redundant=tuple(label for i, label in enumerate(loops.labels) if i not in chart.rows),
         facing=tuple(loop for loop, _ in loops.facing),
         mobility=chart.mobility,
-        outputs={name: _expressions(output, terms.symbols.zero) for name, output in outputs.items()},
-        routines={name: _expressed(routine, terms.symbols.zero) for name, routine in {**routines, **written}.items()},
-        groups=terms.symbols.groups,
+        outputs={name: _expressions(output, symbols.zero) for name, output in outputs.items()},
+        routines={name: _expressed(routine, symbols.zero) for name, routine in {**routines, **written}.items()},
+        groups=symbols.groups,
         null_space=direct.space,
     )
 

@@ -27,7 +27,7 @@ from nullbody.equations.frame import Frame
 from nullbody.equations.scalar import ParameterScalars
 from nullbody.expr import Expr, derivative, directional, operations
 from nullbody.expr.matrix import add, cross, dot, matvec, scale, total, transpose
-from nullbody.mechanism import Body, Mechanism
+from nullbody.mechanism import Mechanism
 
 __all__ = ["Inertia", "inertia"]
 
@@ -90,15 +90,17 @@ def inertia(
         columns = {name: (W, add(V, cross(W, centre))) for name, (W, V) in frame.columns.items()}
         potential = zero - mass * dot(gravity, frame.point(centre))
         potentials.append(potential)
-        moving = _MovingBody(body, mass, columns, frame, potential, euler)
-        torque = _torque(moving, scalars, q, rates)
+        I_C = [[scalars(entry) for entry in row] for row in body.inertia_matrix]
+        moving = _MovingBody(mass, I_C, columns, frame, potential, euler)
+        torque = _torque(moving, zero, q, rates)
         spatial = moving.spatial
         if spatial:
             W = [[zero + columns[name][0][k] if name in columns else 0 for name in names] for k in range(3)]
-            spins.append(Spin(W, _inertia_matrix(moving, scalars), torque))
-        _add_mass(M, moving, scalars, turning=True)
-        _add_mass(rest_M, moving, scalars, turning=not spatial)
-        for name, (whole, moved) in _bias(moving, scalars, gravity, (q, rates), torque).items():
+            spins.append(Spin(W, I_C, torque))
+        masses = _masses(moving, zero, turning=True)
+        _add_mass(M, masses)
+        _add_mass(rest_M, _masses(moving, zero, turning=False) if spatial else masses)
+        for name, (whole, moved) in _bias(moving, zero, gravity, (q, rates), torque).items():
             h[name].append(whole)
             rest_h[name].append(moved if spatial else whole)
     matrix, rest = (_matrix(entries, names, zero) for entries in (M, rest_M))
@@ -117,8 +119,8 @@ def _matrix(entries: Mapping[tuple[str, str], list[Any]], names: list[str], zero
 class _MovingBody:
     """A body with the columns (W_i, J_i) of its centre of mass, its potential energy, and all Euler parameters."""
 
-    body: Body
     mass: Expr
+    I_C: list[list[Any]]
     columns: Mapping[str, tuple[list[Any], list[Any]]]
     frame: Frame
     potential: Expr
@@ -131,45 +133,46 @@ class _MovingBody:
         return len(turning) > 2 and any(isinstance(e, Expr) and e.constant is None for W in turning for e in W)
 
 
-def _add_mass(
-    M: dict[tuple[str, str], list[Any]], moving: _MovingBody, scalars: ParameterScalars, *, turning: bool
-) -> None:
-    """Add one body's share to M, with or without its turning; entries that vanish are left out."""
-    names, I_C = list(moving.columns), _inertia_matrix(moving, scalars)
+def _masses(moving: _MovingBody, zero: Expr, *, turning: bool) -> dict[tuple[str, str], Any]:
+    """One body's share of M, with or without its turning; entries that vanish are left out."""
+    names, found = list(moving.columns), {}
     for i, name in enumerate(names):
         W_i, J_i = moving.columns[name]
-        turned = matvec(I_C, W_i)
+        turned = matvec(moving.I_C, W_i)
         for other in names[i:]:
             W_j, J_j = moving.columns[other]
-            entry = moving.mass * (scalars(0) + dot(J_i, J_j))
+            entry = moving.mass * (zero + dot(J_i, J_j))
             entry = entry + dot(turned, W_j) if turning else entry
             if entry != 0:
-                key = (other, name) if (other, name) in M else (name, other)
-                M.setdefault(key, []).append(entry)
+                found[name, other] = entry
+    return found
 
 
-def _torque(
-    moving: _MovingBody, scalars: ParameterScalars, q: Mapping[str, Expr], rates: Mapping[str, Expr]
-) -> list[Any]:
+def _add_mass(M: dict[tuple[str, str], list[Any]], masses: Mapping[tuple[str, str], Any]) -> None:
+    for (name, other), entry in masses.items():
+        key = (other, name) if (other, name) in M else (name, other)
+        M.setdefault(key, []).append(entry)
+
+
+def _torque(moving: _MovingBody, zero: Expr, q: Mapping[str, Expr], rates: Mapping[str, Expr]) -> list[Any]:
     """I omega'_0 + omega x I omega."""
-    names, zero = list(moving.columns), scalars(0)
+    names, I_C = list(moving.columns), moving.I_C
     if not names:
         return [0, 0, 0]
     omega = matvec(transpose([W for W, _ in moving.columns.values()]), [rates[name] for name in names])
-    I_C = _inertia_matrix(moving, scalars)
     seeds = {q[name]: rates[name] for name in names}
     return add(matvec(I_C, directional([zero + e for e in omega], seeds)), cross(omega, matvec(I_C, omega)))
 
 
 def _bias(
     moving: _MovingBody,
-    scalars: ParameterScalars,
+    zero: Expr,
     gravity: list[Any],
     motion: tuple[Mapping[str, Expr], Mapping[str, Expr]],
     torque: list[Any],
 ) -> dict[str, tuple[Any, Any]]:
     """One body's share of h, with and without its turning, by coordinate; none of a body fixed on the ground."""
-    (q, rates), names, zero = motion, list(moving.columns), scalars(0)
+    (q, rates), names = motion, list(moving.columns)
     if not names:
         return {}
     W = [moving.columns[name][0] for name in names]
@@ -189,7 +192,3 @@ def _bias(
         whole = min((force + turning for force in choice), key=lambda force: operations([force]).arithmetic)
         forces[name] = whole, min(choice, key=lambda force: operations([force]).arithmetic)
     return forces
-
-
-def _inertia_matrix(moving: _MovingBody, scalars: ParameterScalars) -> list[list[Any]]:
-    return [[scalars(entry) for entry in row] for row in moving.body.inertia_matrix]
