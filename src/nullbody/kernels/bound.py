@@ -17,7 +17,7 @@ from nullbody.kernels.block import label, real_numbers
 if TYPE_CHECKING:
     from nullbody.kernels.kernel import Kernel
 
-__all__ = ["BoundKernel"]
+__all__ = ["BoundKernel", "group_views"]
 
 
 class BoundKernel:
@@ -41,8 +41,8 @@ class BoundKernel:
         self._kernel = kernel  # keeps the code in memory
         self._source = np.zeros(max(1, len(program.tape.inputs)))
         self._target = np.zeros(max(1, len(program.tape.outputs)))
-        self.inputs = _views(self._source, [(name, (size,)) for name, size in program.inputs])
-        self.outputs = _views(self._target, program.outputs)
+        self.inputs = group_views(self._source, program.inputs)
+        self.outputs = group_views(self._target, program.outputs)
         self._places: tuple[Any, ...] = tuple(
             place.data for place in self.inputs.values()
         )  # take arrays of their size only
@@ -87,12 +87,13 @@ class BoundKernel:
         return f"<BoundKernel {label(self.program)}>"
 
 
-def _views(
-    memory: NDArray[np.float64], groups: Sequence[tuple[str, tuple[int, ...]]]
+def group_views(
+    memory: NDArray[np.float64], groups: Sequence[tuple[str, int | tuple[int, ...]]]
 ) -> Mapping[str, NDArray[np.float64]]:
-    """Parts of the memory by name, one after the other."""
+    """The groups of a program, names with sizes or shapes, as parts of memory one after the other."""
     found, start = {}, 0
     for name, shape in groups:
-        found[name] = memory[start : start + prod(shape)].reshape(shape)
-        start += prod(shape)
+        size = shape if isinstance(shape, int) else prod(shape)
+        found[name] = memory[start : start + size].reshape(shape)
+        start += size
     return MappingProxyType(found)

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from nullbody.kernels.block import Code
+from nullbody.kernels.bound import group_views
 from nullbody.kernels.compile import compile_text
 from nullbody.kernels.kernel import Kernel
 from nullbody.typing import FloatArray
@@ -67,7 +68,7 @@ class Evaluation:
         sizes = dict(program.inputs)
         starts = dict(zip(sizes, accumulate(sizes.values(), initial=0), strict=False))
         self.source = np.zeros(max(1, sum(sizes.values())))
-        self.inputs = {group: self.source[starts[group] : starts[group] + size] for group, size in sizes.items()}
+        self.inputs = group_views(self.source, program.inputs)
         for group, values in fixed.items():
             self.inputs[group][:] = values
         places = [starts[group] + k for group in vectors for k in range(sizes[group])]
@@ -76,10 +77,7 @@ class Evaluation:
         ends = list(accumulate(prod(shape) for shape in shapes.values()))
         self.starts = dict(zip(shapes, [0, *ends], strict=False))
         self.target = np.zeros(max(1, sum(prod(shape) for shape in shapes.values())))
-        self.outputs = {
-            name: self.target[self.starts[name] : self.starts[name] + prod(shape)].reshape(shape)
-            for name, shape in shapes.items()
-        }
+        self.outputs = group_views(self.target, program.outputs)
         self._places = np.array(places, dtype=np.int64)
         self._kernel = kernel
         self.call = Call(

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from nullbody.errors import InputError
 from nullbody.kernels.block import BlockKernel, Code, label, real_numbers
-from nullbody.kernels.bound import BoundKernel
+from nullbody.kernels.bound import BoundKernel, group_views
 from nullbody.kernels.compose import part
 from nullbody.kernels.program import Program
 
@@ -31,12 +31,8 @@ class _Buffers(threading.local):
     """Input and output memory of one program; every thread sees its own (the constructor runs once in each)."""
 
     def __init__(self, program: Program) -> None:
-        source = np.zeros(max(1, sum(size for _, size in program.inputs)))
-        target = np.zeros(max(1, sum(prod(shape) for _, shape in program.outputs)))
-        views, start = [], 0
-        for _, size in program.inputs:
-            views.append((source[start : start + size], (size,)))
-            start += size
+        source, target = np.zeros(max(1, len(program.tape.inputs))), np.zeros(max(1, len(program.tape.outputs)))
+        views = [(view, view.shape) for view in group_views(source, program.inputs).values()]
         self.memory = source
         self.current = views, target, source.ctypes.data, target.ctypes.data
 

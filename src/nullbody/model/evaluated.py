@@ -38,13 +38,8 @@ def forward(model: Model, state: State, inputs: FloatArray) -> tuple[FloatArray,
         SingularityError: |B| vanishes for the independent coordinates, or Mr is singular.
     """
     q_ddot, q_dot, *measures, _ = model.evaluate("forward_dynamics", state.q, state.v, inputs, t=state.t)
-    try:
-        check_dynamic(model.independent, q_ddot, *measures)
-    except SingularityError:
-        if model.plain is model:
-            raise
-        return forward(model.plain, state, inputs)
-    return q_ddot, q_dot
+    plain = _instead(model, q_ddot, measures)
+    return (q_ddot, q_dot) if plain is None else forward(plain, state, inputs)
 
 
 def inverse(model: Model, state: State, v_dot: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -54,10 +49,21 @@ def inverse(model: Model, state: State, v_dot: FloatArray) -> tuple[FloatArray, 
         SingularityError: as `forward`.
     """
     Qr, u, Br, *measures = model.evaluate("inverse_dynamics", state.q, state.v, v_dot, t=state.t)
+    plain = _instead(model, Qr, measures)
+    return (Qr, u, Br) if plain is None else inverse(plain, state, v_dot)
+
+
+def _instead(model: Model, result: FloatArray, measures: list[FloatArray]) -> Model | None:
+    """The model to ask where a result has lost too many digits; None where it has not.
+
+    Raises:
+        SingularityError: it has, and the model's kernels are the plain ones already.
+    """
     try:
-        check_dynamic(model.independent, Qr, *measures)
+        check_dynamic(model.independent, result, *measures)
     except SingularityError:
-        if model.plain is model:
+        plain = model.plain
+        if plain is model:
             raise
-        return inverse(model.plain, state, v_dot)
-    return Qr, u, Br
+        return plain
+    return None
